@@ -17,8 +17,15 @@ from agents.backends import BackendError
 from experiments import catalogue
 from experiments.documents.marked_blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.planners.short_tables import SHORT_TABLES
 from experiments.runs.database import ResultsError
-from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
+from experiments.scoring.ranking import (
+    LEADERS_BLOCK,
+    SUITES_BLOCK,
+    leaders_block,
+    ranking_block,
+    suites_block,
+)
 from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
@@ -107,10 +114,8 @@ README_BLOCKS: Mapping[str, Block] = {
     "results": _headline,
     "speed": _speed_in_short,
 }
-RANKINGS: Mapping[str, Block] = {
-    SUITES_BLOCK: suites_block,
-    **{name: partial(ranking_block, name) for name in SCORED},
-}
+RANKINGS: Mapping[str, Block] = {name: partial(ranking_block, name) for name in SCORED}
+SCORES_BLOCKS: Mapping[str, Block] = {SUITES_BLOCK: suites_block, LEADERS_BLOCK: leaders_block}
 STRONG_BLOCKS: Mapping[str, Block] = {
     "in-short": partial(ResultsFolder.text, name="strong-optimizers/in-short.md"),
     "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
@@ -129,10 +134,16 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
         Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
     ),
-    "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
+    "planners": (
+        Document(Path("docs/planners.md"), "planners", "planners", blocks=SHORT_TABLES),
+        Document(Path("docs/planners-tables.md"), "planners", ""),
+    ),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "strong-optimizers": (Document(Path("docs/strong-optimizers.md"), "", "", blocks=STRONG_BLOCKS),),
-    "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),
+    "scores": (
+        Document(Path("docs/scores.md"), "", "", blocks=SCORES_BLOCKS),
+        Document(Path("docs/scores-tables.md"), "", "", blocks=RANKINGS),
+    ),
 }
 
 

@@ -11,35 +11,51 @@ A layout is a list of decisions, each one number of the action:
 | `extended` | float64 | members | in [0, 1] | in their own units |
 | `extended-normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
 | `extended-paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
-| `extended-centred` | float32 | as in `centred` | as in `centred` | logarithms, 0 is the default |
+| `extended-centred` | float32 | as in `centred` | as in `centred` | logarithms, 0 as in the settings |
 
 Extended layouts have one number for each parameter of the optimizer that may change at every iteration. A
 paced size asks for 6^a times the population size at which `max_evaluations` would just last, for a in [-1,
 1].
 
-The layouts `sourced`, `sourced-normalised` and `sourced-paced` are the extended ones and then three numbers
-about new members (see `swarm_gym.sources`):
+The layouts `sourced`, `sourced-normalised`, `sourced-paced` and `sourced-centred` are the extended ones and
+then three numbers about new members (see `swarm_gym.sources`):
 
-| number | natural unit | scaled |
-|---|---|---|
-| smooth share: probability that a new member is a smooth bend | in [0, 1] | linear |
-| amplitude: largest offset of bends as a share of the workspace's width | in [0.01, 1] | logarithm |
-| immigrants: share of the members that are replaced in this iteration, the worst first | in [0, 1] | linear |
+| number | natural unit | scaled | 0 in `sourced-centred` |
+|---|---|---|---|
+| smooth share: probability that a new member is a smooth bend | in [0, 1] | linear | 0.9 |
+| amplitude: largest offset of bends, a share of the workspace's width | in [0.01, 1] | logarithm | 0.4 |
+| immigrants: share of the members that are replaced, the worst first | in [0, 1] | linear | 0.3 |
 
 The output of a network begins near 0. In a centred layout that is a decision with which a swarm makes
 progress, so learners begin with these. In `normalised`, 0 asks for phi = 0.5, which ruins most swarms; it is
-the layout of policies that correct another controller.
+the layout of policies that correct another controller. In `sourced-centred`, 0 asks for a tenth of the
+largest size, since swarms with smooth members and immigrants are small: 20 of 200 members.
 """
 
 from dataclasses import dataclass
 
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.own_code import find
-from swarm_gym.scales import AsItIs, Centred, FourthPower, Linear, Logarithmic, Paced, Scale, WithoutEffect
+from swarm_gym.scales import (
+    AsItIs,
+    Centred,
+    FourthPower,
+    Kinked,
+    Linear,
+    Logarithmic,
+    Paced,
+    Scale,
+    WithoutEffect,
+)
 from swarm_gym.settings import Settings
+from swarm_gym.sources import SOURCE_RANGES
 
-# Population size that a 0 in a centred layout asks for, as a share of the largest; -1 asks for its square.
+# Population size that a 0 in a centred layout asks for, as a share of the largest; -1 asks for 0.3 of that.
 CENTRE_OF_SIZES = 0.3
+# The same where sources are decided, too.
+CENTRE_OF_SOURCED_SIZES = 0.1
+# What a 0 in `sourced-centred` asks for: near the best constants that were tuned on the three cases.
+CENTRES_OF_SOURCES = {"smooth_share": 0.9, "amplitude": 0.4, "immigrants": 0.3}
 
 
 @dataclass(frozen=True)
@@ -70,6 +86,7 @@ ACTIONS: dict[str, Layout] = {
     "sourced": Layout("natural", True, True),
     "sourced-normalised": Layout("logarithmic", True, True),
     "sourced-paced": Layout("paced", True, True),
+    "sourced-centred": Layout("centred", True, True),
 }
 
 
@@ -97,7 +114,8 @@ def scale_of_size(layout: Layout, settings: Settings) -> Scale:
     if layout.size == "paced":
         return Paced()
     if layout.size == "centred":
-        centre = max(smallest, CENTRE_OF_SIZES * largest)
+        share = CENTRE_OF_SOURCED_SIZES if layout.sourced else CENTRE_OF_SIZES
+        centre = max(smallest, share * largest)
         return Centred(max(smallest, CENTRE_OF_SIZES * centre), centre, largest)
     return Logarithmic(smallest, largest)
 
@@ -111,17 +129,21 @@ def scale_of_repair(layout: Layout, optimizer: type[Optimizer]) -> Scale:
     return FourthPower() if layout.size == "centred" else Linear(0.0, 1.0)
 
 
-def scale_of_parameter(layout: Layout, smallest: float, largest: float, default: float) -> Scale:
-    """Return the scale of a parameter of the optimizer, which is positive."""
+def scale_of_parameter(layout: Layout, smallest: float, largest: float, value: float) -> Scale:
+    """Return the scale of a positive parameter of the optimizer, which has this value in the settings."""
     if layout.size == "natural":
         return AsItIs(smallest, largest)
     if layout.size == "centred":
-        return Centred(smallest, min(max(default, smallest), largest), largest)
+        return Centred(smallest, min(max(value, smallest), largest), largest)
     return Logarithmic(smallest, largest)
 
 
-def scale_of_source(layout: Layout, smallest: float, largest: float) -> Scale:
-    """Return the scale of a decision on new members, one of `SOURCE_RANGES`."""
+def scale_of_source(layout: Layout, decision: str) -> Scale:
+    """Return the scale of a decision on new members, a key of `SOURCE_RANGES`."""
+    smallest, largest = SOURCE_RANGES[decision]
     if layout.size == "natural":
         return AsItIs(smallest, largest)
+    if layout.size == "centred":
+        centre = CENTRES_OF_SOURCES[decision]
+        return Centred(smallest, centre, largest) if smallest > 0.0 else Kinked(smallest, centre, largest)
     return Logarithmic(smallest, largest) if smallest > 0.0 else Linear(smallest, largest)

@@ -18,8 +18,13 @@ from swarm_gym.settings import Settings
 # Layouts in natural units, and those for networks that observe or decide the same.
 FOR_NETWORKS: Mapping[str, Mapping[str, str]] = {
     "observation": {"paper": "scaled", "theory": "theory-scaled"},
-    "action": {"natural": "centred", "extended": "extended-centred", "sourced": "sourced-normalised"},
+    "action": {"natural": "centred", "extended": "extended-centred", "sourced": "sourced-centred"},
 }
+# Layouts of corrections, by the layout in which the corrected controller decides.
+FOR_CORRECTIONS: Mapping[str, str] = {**FOR_NETWORKS["action"], "sourced": "sourced-normalised"}
+# First members where actions are `sourced-centred`: the mean gap of a policy that decides 0 throughout is 1 %
+# with them, and 2.4 % with uniform ones.
+FIRST_MEMBERS: Mapping[str, object] = {"source": "smooth", "amplitude": 0.2}
 
 
 def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, object]:
@@ -27,7 +32,7 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
 
     Observations are `extended`, actions `centred`, and the reward is `optimality` at a price of 1. On bit
     strings observations are `theory-scaled` and the reward is `runtime`; where robots drive, the reward is
-    `detour`.
+    `detour`. With the actions `sourced-centred`, the first members are smooth bends.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.ALL_OPTIMIZERS`.
@@ -43,6 +48,8 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
     else:
         reward = "optimality" if drive_of(first) is None else "detour"
         suited = {"observation": "extended", "reward": reward, "price": 1.0}
+    if given.get("action") == "sourced-centred" and "source" not in given:
+        suited |= FIRST_MEMBERS
     return {"action": "centred", **suited, **given}
 
 

@@ -22,7 +22,7 @@ from swarm_gym.arrays import as_numpy
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.errors import MissingExtraError, SettingError, shown
-from swarm_gym.learner_options import FOR_NETWORKS, learner_options, warn_of_unscaled
+from swarm_gym.learner_options import FOR_CORRECTIONS, learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -74,7 +74,7 @@ def make_vec(
     chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
     if base is not None and "action" not in options:
         decided = (make_controller(base) if isinstance(base, str) else base).action
-        chosen["action"] = FOR_NETWORKS["action"].get(decided, chosen["action"])
+        chosen["action"] = FOR_CORRECTIONS.get(decided, chosen["action"])
     warn_of_unscaled(chosen)
     mode = AutoresetMode.SAME_STEP
     env = SwarmVectorEnv(

@@ -154,6 +154,37 @@ class Centred(Scale):
 
 
 @dataclass(frozen=True)
+class Kinked(Scale):
+    """The scale that maps [smallest, largest] to [-1, 1], and centre to 0, linearly on either side of it.
+
+    Raises:
+        SettingError: if the centre is not between the other two.
+    """
+
+    smallest: float
+    centre: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.smallest < self.centre < self.largest:
+            raise SettingError(
+                f"a kinked scale needs smallest < centre < largest, got {self.smallest:g}, {self.centre:g}, "
+                f"{self.largest:g}"
+            )
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        distances = values - self.centre
+        below, above = self.centre - self.smallest, self.largest - self.centre
+        return np.where(distances < 0.0, distances / below, distances / above)
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
+        below, above = self.centre - self.smallest, self.largest - self.centre
+        return self.centre + simulation.xp.where(numbers < 0.0, below * numbers, above * numbers)
+
+
+@dataclass(frozen=True)
 class FourthPower(Scale):
     """The scale on which a number a in [-1, 1] asks for ((a + 1) / 2)^4, so that 0 asks for 1 / 16.
 

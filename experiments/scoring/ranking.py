@@ -1,4 +1,4 @@
-"""Tables that rank the scores of a suite, for docs/scores.md."""
+"""Tables that rank the scores of suites, for docs/scores.md and its appendix."""
 
 from collections.abc import Sequence
 
@@ -12,6 +12,7 @@ from experiments.tables.table import Row, Table
 
 DIGITS = 8  # of a digest
 SUITES_BLOCK = "suites"
+LEADERS_BLOCK = "leaders"
 
 
 def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
@@ -21,9 +22,7 @@ def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
         suite: name of a scored suite.
         scores: all of its rows.
     """
-    by_entrant: dict[str, list[ScoreRow]] = {}
-    for row in scores:
-        by_entrant.setdefault(row.controller, []).append(row)
+    by_entrant = _by_entrant(scores)
     ranked = sorted(by_entrant.items(), key=lambda item: (_objective(item[1]), item[0]))
     return Table.of(
         suite,
@@ -72,12 +71,53 @@ def suites_table() -> Table:
     return Table.of(SUITES_BLOCK, caption, rows)
 
 
+def leaders_table() -> Table:
+    """Return the first policy of each suite, and the first of the rules and blind schedules.
+
+    Raises:
+        ScoreFileError: if a file of scores cannot be used, or lacks a controller that ships.
+    """
+    return Table.of(
+        LEADERS_BLOCK,
+        "The first policy of each suite, and the first rule or blind schedule: objective, the mean gap in "
+        f"per cent plus {PRICE:g} for 100,000 evaluations. These are a few runs, without intervals",
+        [_leaders(name) for name in SCORED],
+    )
+
+
+def _leaders(suite: str) -> Row:
+    references = set(get_scored(suite).references)
+    by_entrant = _by_entrant(_stored(suite))
+    ranked = sorted(by_entrant, key=lambda name: (_objective(by_entrant[name]), name))
+    first = next(name for name in ranked if name not in references)
+    other = next(name for name in ranked if name in references)
+    return {
+        "suite": suite,
+        "first policy": label(first),
+        "mean gap": share(_mean(by_entrant[first], "gap"), ".2f"),
+        "evaluations": number(_mean(by_entrant[first], "evaluations"), ",.0f"),
+        "objective": number(_objective(by_entrant[first]), ".3f"),
+        "first rule or schedule": label(other),
+        "its objective": number(_objective(by_entrant[other]), ".3f"),
+    }
+
+
+def leaders_block(results: ResultsFolder) -> str:  # noqa: ARG001
+    """Return the leaders of all suites as Markdown."""
+    return leaders_table().markdown()
+
+
 def ranking_block(suite: str, results: ResultsFolder) -> str:  # noqa: ARG001
     """Return the ranking of a suite's stored scores as Markdown.
 
     Raises:
         ScoreFileError: if the file of scores cannot be used, or lacks a controller that ships.
     """
+    return ranking(suite, _stored(suite)).markdown()
+
+
+def _stored(suite: str) -> list[ScoreRow]:
+    """Return the stored scores of a suite, which have to be those of all controllers that ship."""
     path = scores_file(SCORES, suite)
     scores = read_scores(path)
     lacking = set(get_scored(suite).entrants) - {row.controller for row in scores}
@@ -86,12 +126,20 @@ def ranking_block(suite: str, results: ResultsFolder) -> str:  # noqa: ARG001
             f"{path}: lacks {len(lacking)} controllers, such as {min(lacking)}; run "
             "`python -m experiments.scores`"
         )
-    return ranking(suite, scores).markdown()
+    return list(scores)
 
 
 def suites_block(results: ResultsFolder) -> str:  # noqa: ARG001
     """Return the table of scored suites as Markdown."""
     return suites_table().markdown()
+
+
+def _by_entrant(scores: Sequence[ScoreRow]) -> dict[str, list[ScoreRow]]:
+    """Return the rows of each controller, by its name."""
+    found: dict[str, list[ScoreRow]] = {}
+    for row in scores:
+        found.setdefault(row.controller, []).append(row)
+    return found
 
 
 def _mean(rows: Sequence[ScoreRow], name: str) -> float:

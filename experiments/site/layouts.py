@@ -23,8 +23,9 @@ ACTIONS_ARE_FOR: Mapping[str, str] = {
     "extended-paced": "learners of parameters, with a budget",
     "extended-centred": "learners of parameters",
     "sourced": "rules that decide sources of new members, too",
-    "sourced-normalised": "learners of sources, and policies that correct a controller",
+    "sourced-normalised": "policies that correct a controller of sources",
     "sourced-paced": "learners of sources, with a budget",
+    "sourced-centred": "learners of sources",
 }
 OBSERVATIONS_ARE_FOR: Mapping[str, str] = {
     "paper": "the paper's rules; the default of `gymnasium.make`",

@@ -7,7 +7,7 @@ from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.scales import Centred, FourthPower
+from swarm_gym.scales import Centred, FourthPower, Kinked
 from swarm_gym.settings import Settings
 
 CENTRED = [name for name in ACTIONS if name.endswith("centred")]
@@ -43,6 +43,16 @@ def test_zero_keeps_the_defaults_of_parameters():
         assert parameters[name] == pytest.approx(getattr(defaults, name), rel=1e-12)
 
 
+def test_zero_of_a_sourced_action_asks_for_few_members_most_of_them_smooth_and_some_immigrants():
+    env = SwarmEnv(action="sourced-centred", iterations=2)
+    env.reset(seed=0)
+    layout = make_action(env.settings, get_optimizer("firefly"))
+    zero = np.zeros((1, len(layout.labels)), dtype=np.float32)
+    made = layout.decode(zero, np.ones(1, dtype=np.bool_), env.simulation)
+    assert (made.sizes.tolist(), made.repair_degrees.tolist()) == ([20], [1 / 16])
+    np.testing.assert_allclose(made.sources, [[0.9, 0.4, 0.3]], rtol=1e-12)
+
+
 def test_small_ranges_of_sizes_are_kept():
     options = {"min_population_size": 5, "max_population_size": 12}
     assert [decided("centred", [a, 0.0], **options)[0] for a in (-1.0, 0.0, 1.0)] == [5, 5, 12]
@@ -62,6 +72,12 @@ def test_encoding_undoes_decoding(action):
 def test_values_beyond_the_ends_are_encoded_beyond_them():
     assert Centred(2.0, 60.0, 200.0).encode(np.array([1.0, 400.0]), None).tolist()[1] > 1.0
     assert FourthPower().encode(np.array([0.0, 1.0]), None).tolist() == [-1.0, 1.0]
+
+
+@pytest.mark.parametrize("ends", [(0.0, 0.0, 1.0), (0.0, 1.0, 1.0), (0.0, 2.0, 1.0)])
+def test_a_kink_at_or_beyond_an_end_is_refused(ends):
+    with pytest.raises(SettingError, match="smallest < centre < largest"):
+        Kinked(*ends)
 
 
 @pytest.mark.parametrize("ends", [(0.0, 1.0, 2.0), (2.0, 1.0, 3.0), (1.0, 4.0, 3.0)])

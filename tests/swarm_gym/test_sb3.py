@@ -236,6 +236,13 @@ def test_corrections_are_in_the_layout_that_the_decisions_of_the_base_need():
     assert made.env.settings.action == "normalised"
 
 
+def test_learners_of_sources_begin_with_smooth_members_unless_a_source_is_named():
+    settings = make_vec("firefly", 1, action="sourced-centred", iterations=5).env.settings
+    assert (settings.source, settings.amplitude) == ("smooth", 0.2)
+    settings = make_vec("firefly", 1, action="sourced-centred", source="uniform", iterations=5).env.settings
+    assert (settings.source, settings.amplitude) == ("uniform", None)
+
+
 def test_a_policy_whose_output_is_zero_is_its_base():
     made = make_vec("firefly", 2, base="open-loop:three-cases", seed=3, iterations=5)
     assert made.observation_space.shape == (11,)  # the layout `extended`, and two proposals

@@ -75,7 +75,7 @@ NOISE_OF_TD3 = 0.2
 # Corrections with the library's noise, exp(0), undo what the base has found.
 SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 # Gaps are small there, so that a logarithm tells more than the gap itself.
-SOURCED = {"action": "sourced-normalised", "reward": "final", "price": 0.3}
+SOURCED = {"action": "sourced-centred", "reward": "final", "price": 0.3}
 RESIDUAL = {"base": "open-loop:three-cases"}
 
 RECIPES: dict[str, Recipe] = {
@@ -85,6 +85,9 @@ RECIPES: dict[str, Recipe] = {
     "ppo-residual-library": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
     "ppo-sourced": Recipe("PPO", ON_POLICY, SOURCED, "with sources"),
     "ppo-sourced-optimality": Recipe("PPO", ON_POLICY, {"action": SOURCED["action"]}, "with sources"),
+    "ppo-sourced-normalised": Recipe(
+        "PPO", ON_POLICY, {**SOURCED, "action": "sourced-normalised"}, "with sources"
+    ),
     "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
     "sac": Recipe("SAC", OFF_POLICY, scales_rewards=True),
     "sac-library": Recipe("SAC", {"gamma": 1.0}),

@@ -3,6 +3,7 @@
 import json
 import platform
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,12 +11,14 @@ import pytest
 from experiments.planners.__main__ import PlannersConfig, compare
 from experiments.planners.found import Found, Valid, validate
 from experiments.planners.measuring import AFTER_EVENTS, ON_MAPS, PlannerRun, read
+from experiments.planners.short_tables import COLUMNS, PLANNING, REPLANNING
 from experiments.planners.tables import length_above, seconds_to_near, tables
 from experiments.planners.tasks import draw_tasks, replanning_task
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridMap, GridScenario
 
+ROOT = Path(__file__).parents[3]
 WALL = np.zeros((5, 9), dtype=np.bool_)
 WALL[1:, 4] = True
 SCENARIO = GridScenario("wall", GridMap("wall", WALL, resolution=0.5), (0.0, 1.0), (4.0, 1.0))
@@ -133,3 +136,19 @@ def test_a_small_comparison_of_replanning_has_free_paths_of_every_planner(tmp_pa
     for name in ("exact, any angle, map prepared anew", "swarm, fixed size, from the previous path"):
         (run,) = (run for run in runs if run.planner == name)
         assert 0.0 <= length_above(run, 10.0) + 1e-9 < 0.2
+
+
+def rows_of_block(page, name):
+    """Return the rows of a block of a page, as cells by heads."""
+    block = (
+        (ROOT / page).read_text(encoding="utf-8").split(f"<!-- {name} -->\n")[1].split(f"<!-- /{name} -->")[0]
+    )
+    cells = [line[2:-2].split(" | ") for line in block.splitlines() if line.startswith("| ")]
+    return [dict(zip(cells[0], row, strict=True)) for row in cells[2:]]
+
+
+@pytest.mark.parametrize(("name", "planners"), [("planners", PLANNING), ("replanning", REPLANNING)])
+def test_the_page_shows_rows_of_its_appendix(name, planners):
+    everything = {row["planner"]: row for row in rows_of_block("docs/planners-tables.md", name)}
+    shown = [{column: everything[planner][column] for column in COLUMNS} for planner in planners]
+    assert rows_of_block("docs/planners.md", name) == shown

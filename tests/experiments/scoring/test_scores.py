@@ -77,9 +77,9 @@ def test_the_scores_of_every_policy_hold(suite):
     assert [one.difference for one in compared if one.verdict not in HOLD] == []
 
 
-def test_the_document_ranks_the_stored_scores(monkeypatch):
+@pytest.mark.parametrize("document", DOCUMENTS["scores"], ids=lambda one: one.path.stem)
+def test_the_documents_rank_the_stored_scores(document, monkeypatch):
     monkeypatch.chdir(ROOT)
-    (document,) = DOCUMENTS["scores"]
     assert fill(document, Path("results")).text == document.path.read_text(encoding="utf-8"), AGAIN
 
 

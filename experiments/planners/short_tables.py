@@ -1,0 +1,37 @@
+"""The tables of docs/planners.md: the rows and columns that tell most; docs/planners-tables.md has all."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from experiments.tables.document import Block, ResultsFolder
+from experiments.tables.reshape import pick, select
+
+COLUMNS = (
+    "planner", "found", "above exact, 0.1 s", "above exact, 0.5 s", "near, 0.5 s", "seconds to near",
+    "clearance", "by a swarm",
+)  # fmt: skip
+EXACT, REPAIRED = "exact, any angle, map prepared anew", "A*, final repair"
+PLANNING = (
+    "swarm, fixed size", "swarm, SPSFA-TIP's rules", "swarm, learned", "OMPL RRTConnect", "OMPL RRTstar",
+    "OMPL InformedRRTstar", "OMPL BITstar", "A*, smoothed", REPAIRED, EXACT,
+)  # fmt: skip
+REPLANNING = (
+    "swarm, fixed size", "swarm, fixed size, from the previous path", "OMPL InformedRRTstar", "OMPL BITstar",
+    REPAIRED, "previous path, final repair", EXACT,
+)  # fmt: skip
+
+
+def _short(name: str, planners: Sequence[str], results: ResultsFolder) -> str:
+    """Return some rows of a table.
+
+    Raises:
+        ValueError: if the table lacks a planner or a column.
+    """
+    chosen = pick(results.table(name), ("planner",), [(planner,) for planner in planners])
+    return select(chosen, COLUMNS).markdown()
+
+
+SHORT_TABLES: Mapping[str, Block] = {
+    "planners": partial(_short, "planners", PLANNING),
+    "replanning": partial(_short, "replanning", REPLANNING),
+}
