@@ -15,6 +15,7 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
+from experiments.documents.front_page import FRONT_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import SHORT_TABLES
@@ -138,6 +139,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/planners.md"), "planners", "planners", blocks=SHORT_TABLES),
         Document(Path("docs/planners-tables.md"), "planners", ""),
     ),
+    "numbers": (Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "strong-optimizers": (Document(Path("docs/strong-optimizers.md"), "", "", blocks=STRONG_BLOCKS),),
     "scores": (

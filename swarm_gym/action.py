@@ -258,10 +258,9 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
             f"action {settings.action!r}: optimizer {optimizer.name!r} has no parameters to decide; choose a "
             "layout that is not extended"
         )
-    values = optimizer.parameter_values(settings.knobs)
     for name, parameter in decided.items():
         if parameter.decided is not None:
-            scales[name] = scale_of_parameter(layout, *parameter.decided, getattr(values, name))
+            scales[name] = scale_of_parameter(layout, name, parameter)
     sources: tuple[float, ...] = ()
     if layout.sourced:
         settings.require_sources(f"action {settings.action!r}")
@@ -269,6 +268,7 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
         for name in SOURCE_DECISIONS:
             scales[name.replace("_", " ")] = scale_of_source(layout, name)
     dtype = np.float64 if layout.size == "natural" else np.float32
+    values = optimizer.parameter_values(settings.knobs)
     parameters = {name: getattr(values, name) for name in decided}
     return Action(settings.action, settings, scales, parameters, sources, dtype, optimizer)
 

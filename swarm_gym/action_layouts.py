@@ -11,7 +11,7 @@ A layout is a list of decisions, each one number of the action:
 | `extended` | float64 | members | in [0, 1] | in their own units |
 | `extended-normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
 | `extended-paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
-| `extended-centred` | float32 | as in `centred` | as in `centred` | logarithms, 0 as in the settings |
+| `extended-centred` | float32 | as in `centred` | as in `centred` | logarithms, 0 is the default |
 
 Extended layouts have one number for each parameter of the optimizer that may change at every iteration. A
 paced size asks for 6^a times the population size at which `max_evaluations` would just last, for a in [-1,
@@ -29,12 +29,13 @@ then three numbers about new members (see `swarm_gym.sources`):
 The output of a network begins near 0. In a centred layout that is a decision with which a swarm makes
 progress, so learners begin with these. In `normalised`, 0 asks for phi = 0.5, which ruins most swarms; it is
 the layout of policies that correct another controller. In `sourced-centred`, 0 asks for a tenth of the
-largest size, since swarms with smooth members and immigrants are small: 20 of 200 members.
+largest size, 20 of 200 members, and for an attractiveness of fireflies of 0.3.
 """
 
 from dataclasses import dataclass
 
 from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.own_code import find
 from swarm_gym.scales import (
     AsItIs,
@@ -55,7 +56,8 @@ CENTRE_OF_SIZES = 0.3
 # The same where sources are decided, too.
 CENTRE_OF_SOURCED_SIZES = 0.1
 # What a 0 in `sourced-centred` asks for: near the best constants that were tuned on the three cases.
-CENTRES_OF_SOURCES = {"smooth_share": 0.9, "amplitude": 0.4, "immigrants": 0.3}
+# Parameters of optimizers that are not listed keep their defaults.
+CENTRES_WITH_SOURCES = {"attractiveness": 0.3, "smooth_share": 0.9, "amplitude": 0.4, "immigrants": 0.3}
 
 
 @dataclass(frozen=True)
@@ -129,12 +131,15 @@ def scale_of_repair(layout: Layout, optimizer: type[Optimizer]) -> Scale:
     return FourthPower() if layout.size == "centred" else Linear(0.0, 1.0)
 
 
-def scale_of_parameter(layout: Layout, smallest: float, largest: float, value: float) -> Scale:
-    """Return the scale of a positive parameter of the optimizer, which has this value in the settings."""
+def scale_of_parameter(layout: Layout, name: str, parameter: Parameter) -> Scale:
+    """Return the scale of a positive parameter of the optimizer that may be decided."""
+    assert parameter.decided is not None
+    smallest, largest = parameter.decided
     if layout.size == "natural":
         return AsItIs(smallest, largest)
     if layout.size == "centred":
-        return Centred(smallest, min(max(value, smallest), largest), largest)
+        centre = CENTRES_WITH_SOURCES.get(name, parameter.default) if layout.sourced else parameter.default
+        return Centred(smallest, min(max(centre, smallest), largest), largest)
     return Logarithmic(smallest, largest)
 
 
@@ -144,6 +149,6 @@ def scale_of_source(layout: Layout, decision: str) -> Scale:
     if layout.size == "natural":
         return AsItIs(smallest, largest)
     if layout.size == "centred":
-        centre = CENTRES_OF_SOURCES[decision]
+        centre = CENTRES_WITH_SOURCES[decision]
         return Centred(smallest, centre, largest) if smallest > 0.0 else Kinked(smallest, centre, largest)
     return Logarithmic(smallest, largest) if smallest > 0.0 else Linear(smallest, largest)

@@ -23,6 +23,18 @@ def replace_block(text: str, name: str, content: str) -> str:
     return block.sub(lambda match: f"{match[1]}{content.strip()}\n{match[2]}", text)
 
 
+def content_of(text: str, name: str) -> str:
+    """Return what stands between `<!-- name -->` and `<!-- /name -->`.
+
+    Raises:
+        ValueError: if there is no such block.
+    """
+    found = re.search(rf"<!-- {re.escape(name)} -->\n(.*?)<!-- /{re.escape(name)} -->", text, re.DOTALL)
+    if not found:
+        raise ValueError(f"there is no block {name!r} to read")
+    return found[1]
+
+
 def block_names(text: str) -> list[str]:
     """Return the names of the blocks of a text, by the marks at their ends."""
     return re.findall(r"<!-- /(\S+) -->", text)
