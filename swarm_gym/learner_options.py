@@ -22,8 +22,8 @@ FOR_NETWORKS: Mapping[str, Mapping[str, str]] = {
 }
 # Layouts of corrections, by the layout in which the corrected controller decides.
 FOR_CORRECTIONS: Mapping[str, str] = {**FOR_NETWORKS["action"], "sourced": "sourced-normalised"}
-# First members where actions are `sourced-centred`: the mean gap of a policy that decides 0 throughout is 0.6 %
-# with them, and 1.5 % with uniform ones.
+# First members where actions are `sourced-centred`. The mean gap of a policy that decides 0 throughout is 0.6
+# per cent with them, and 1.5 per cent with uniform ones.
 FIRST_MEMBERS: Mapping[str, object] = {"source": "smooth", "amplitude": 0.2}
 
 
