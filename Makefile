@@ -50,7 +50,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
-    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-scaling docs-scores \
+    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs paper docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-scaling docs-scores \
     docs-gallery dist clean
 
 help: ## show this list
@@ -150,6 +150,10 @@ docs: $(INSTALLED) ## build the documentation site in build/docs, run its notebo
 	$(BIN)/python -m swarm_gym.warm_up
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs
 	$(BIN)/python -m experiments.site.check_links build/docs
+
+paper: $(INSTALLED) ## write the paper, build/paper.pdf, with the numbers of README.md and docs/results.md
+	mkdir -p build
+	$(BIN)/python -c "import typst; typst.compile('paper/paper.typ', output='build/paper.pdf', root='.')"
 
 docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what README.md and docs/performance.md show (15 minutes)
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 1000 --output results/docs

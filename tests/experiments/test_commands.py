@@ -22,7 +22,7 @@ TARGETS = (
     "help", "install", "browser", "study", "study-full", "test", "test-slow", "test-supply", "test-lowest",
     "test-newest", "fuzz", "check", "check-workflows", "format", "benchmark", "benchmark-gpu",
     "benchmark-peers", "benchmark-scaling",
-    "docs", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
+    "docs", "paper", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
     "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling", "docs-scores",
     "docs-bbob", "docs-known-optimum", "docs-strong-optimizers", "docs-gallery", "dist", "clean",
 )  # fmt: skip
