@@ -44,7 +44,7 @@ class Recipe:
         algorithm: a key of `ALGORITHMS`.
         options: options of the algorithm that differ from the library's.
         env: options of `make_vec` that differ from its own.
-        kind: how it learns: "from scratch", "residual" or "with sources".
+        kind: how it learns: "from scratch", "with sources", or "residual", perhaps with its base.
         scales_rewards: whether `VecNormalize` of the library scales rewards in the training.
     """
 
@@ -85,6 +85,9 @@ RECIPES: dict[str, Recipe] = {
     "ppo": Recipe("PPO", ON_POLICY),
     "ppo-library": Recipe("PPO", {"gamma": 1.0}),
     "ppo-residual": Recipe("PPO", {**CALM, **SMALL_NOISE}, RESIDUAL, "residual"),
+    "ppo-residual-rules": Recipe(
+        "PPO", {**CALM, **SMALL_NOISE}, {"base": "spsfa-tip"}, "residual on SPSFA-TIP"
+    ),
     "ppo-residual-library": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
     "ppo-sourced": Recipe("PPO", WITH_SOURCES, SOURCED, "with sources"),
     "ppo-sourced-optimality": Recipe("PPO", WITH_SOURCES, {"action": SOURCED["action"]}, "with sources"),
