@@ -94,6 +94,9 @@ RECIPES: dict[str, Recipe] = {
     "ppo-sourced-normalised": Recipe(
         "PPO", ON_POLICY, {"action": "sourced-normalised", "reward": "final", "price": 0.3}, "with sources"
     ),
+    "ppo-residual-sourced": Recipe(
+        "PPO", {**CALM, **SMALL_NOISE}, {"base": "open-loop:three-cases-sourced/0@1"}, "residual with sources"
+    ),
     "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
     "sac": Recipe("SAC", OFF_POLICY, scales_rewards=True),
     "sac-library": Recipe("SAC", {"gamma": 1.0}),
