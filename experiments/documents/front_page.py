@@ -166,6 +166,8 @@ FRONT_BLOCKS: Mapping[str, Block] = {
     "beside-metabox": partial(
         _repeated, "strong-optimizers", "beside-metabox", _first_of(("stars of 16", "average rank"))
     ),
-    "learners": partial(_repeated, "learners", "reached-200000", lambda cells: cells[2] != "1"),
+    "learners": partial(
+        _repeated, "learners", "reached-200000", lambda cells: not cells[0].startswith("FA-")
+    ),
     "planners": partial(_repeated, "planners", "planners", lambda cells: not cells[0].startswith("swarm, S")),
 }

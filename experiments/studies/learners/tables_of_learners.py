@@ -25,6 +25,7 @@ PAPER, BASE = "spsfa-tip", "open-loop:three-cases"  # differences are to these
 RIVALS: Mapping[str, tuple[str, ...]] = {
     **{label(name): (name,) for name in ("fixed:30", "fixed:60", "fixed:100", PAPER)},
     "open loop three-cases": (BASE,),
+    "open loop three-cases-sourced": ("open-loop:three-cases-sourced/0@1",),
     "this project's PPO, three-cases@1": tuple(f"learned:three-cases/{seed}@1" for seed in range(10)),
 }
 CAPTION = (
