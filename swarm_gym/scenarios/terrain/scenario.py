@@ -14,7 +14,7 @@ from swarm_gym.scenarios.obstacles import MAX_COORDINATE, Point, require_numbers
 Floats = NDArray[np.float64]
 Point3 = tuple[float, float, float]
 
-# Limits of the heights along a side of a map, and of their number; a table of a problem holds 8 bytes of each.
+# Limits of the number of heights along a side of a map.
 MIN_SIDE, MAX_SIDE = 2, 8192
 # Limits of the distance between neighbouring heights, in metres.
 MIN_CELL, MAX_CELL = 1e-3, 1e6
@@ -28,9 +28,9 @@ X, Y, TOP, RADIUS = range(4)
 class TerrainScenario:
     """The task to fly from a start to a goal over ground, in metres; scenarios of equal content are equal.
 
-    Between heights the ground is bilinear. Threats are upright cylinders. A height of a cylinder is that of its
-    top, from the same zero as the heights of the ground: what flies higher is not in it. The top `inf` blocks
-    every altitude, as in published costs, which ignore tops.
+    Between heights the ground is bilinear. Threats are upright cylinders. A top is measured from the same zero
+    as the heights of the ground: what flies higher is not in the cylinder. The top `inf` blocks every
+    altitude, as in published costs, which ignore tops.
 
     Attributes:
         name: name under which results are filed.
