@@ -28,8 +28,8 @@ X, Y, TOP, RADIUS = range(4)
 class TerrainScenario:
     """The task to fly from a start to a goal over ground, in metres; scenarios of equal content are equal.
 
-    Between heights the ground is bilinear. Threats are upright cylinders. A top is measured from the same zero
-    as the heights of the ground: what flies higher is not in the cylinder. The top `inf` blocks every
+    Between heights the ground is bilinear. Threats are upright cylinders. A top is measured from the zero
+    of the heights: what flies higher is not in the cylinder. The top `inf` blocks every
     altitude, as in published costs, which ignore tops.
 
     Attributes:
