@@ -23,6 +23,7 @@ from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
 from swarm_gym.scenarios.scenario import Scenario
+from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
     "case1": spsfa.case1,
@@ -160,5 +161,6 @@ _OTHERS: dict[type, str] = {
     metabox.MetaBoxScenario: "a test function",
     ioh_scenario.IohScenario: "a test function",
     onemax.OneMaxScenario: "a bit string",
+    TerrainScenario: "a flight over terrain",
     DynamicScenario: "a map that changes; choose one of its `worlds`",
 }
