@@ -15,7 +15,7 @@ from typing import Any
 
 from swarm_gym.command import NumberParser, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
-from swarm_gym.planning.geographic import COORDINATES
+from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.planning.geographic import (
+from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
     PLANE,
     Projection,

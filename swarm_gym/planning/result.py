@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.planning.geographic import Projection
+from swarm_gym.scenarios.formats.geographic import Projection
 from swarm_gym.scenarios import MapScenario
 
 Floats = NDArray[np.float64]

@@ -23,6 +23,7 @@ from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
 from swarm_gym.scenarios.scenario import Scenario
+from swarm_gym.scenarios.terrain import generated
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
@@ -148,6 +149,7 @@ FAMILIES: dict[str, Family] = {
     metabox.NAME: metabox.FAMILY,
     ioh_scenario.NAME: ioh_scenario.FAMILY,
     onemax.NAME: onemax.FAMILY,
+    generated.NAME: generated.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.make_family(expand_name, make_scenario),

@@ -141,12 +141,20 @@ def draw(generator: np.random.RandomState, threats: int) -> Draws:
 
 
 def make_terrain(draws: Draws) -> Terrain:
-    """Return the terrain of random numbers; its height map takes about a second.
+    """Return the terrain of random numbers; its height map takes seconds.
 
     Raises:
         ScenarioError: if a threat lies on the last row of the map, where the published program ends, too.
     """
-    heights = _heights(draws)
+    return terrain_with(draws, heights_of(draws))
+
+
+def terrain_with(draws: Draws, heights: Floats) -> Terrain:
+    """Return the terrain of random numbers whose height map is known.
+
+    Raises:
+        ScenarioError: if a threat lies on the last row of the map, where the published program ends, too.
+    """
     threats = draws.threats.copy()
     columns, rows = threats[:, 0].astype(np.int64), threats[:, 1].astype(np.int64)
     for number in np.flatnonzero(rows >= SIDE).tolist():
@@ -158,8 +166,19 @@ def make_terrain(draws: Draws) -> Terrain:
     return Terrain(heights, threats, (*draws.start, ABOVE_GROUND), (*draws.goal, ABOVE_GROUND))
 
 
-def _heights(draws: Draws) -> Floats:
-    """Return the height map: all points of all levels, interpolated at the cells."""
+def heights_of(draws: Draws) -> Floats:
+    """Return the height map: all points of all levels, interpolated at the cells.
+
+    For each triangle SciPy solves two equations with LAPACK, whose threads wait for each other. On a processor
+    that has other work, one terrain took minutes with all threads, and seconds with one.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        return _grown(draws)
+
+
+def _grown(draws: Draws) -> Floats:
     x, y, height, rough = draws.first
     for number, level in enumerate(draws.levels, 1):
         spread, step = 0.5**number, 0.75**number

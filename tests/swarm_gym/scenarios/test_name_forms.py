@@ -28,6 +28,10 @@ FORMS = {
     ),
     "ioh": ("ioh:bbob-8-5-1", "ioh:sbox-8-5-1-3", "ioh:cec2022-1001-10-1"),
     "onemax": ("onemax:100", "onemax:100-103", "onemax:500-start:400"),
+    "terrain": (
+        "terrain:train:0", "terrain:train-few:0-3", "terrain:train-many:0", "terrain:validation:0",
+        "terrain:validation-few:0", "terrain:validation-many:0", "terrain:test:0-55",
+    ),
     "block": ("block:500",),
     "open": ("open:500",),
     "routes": ("routes:turtlebot3", "routes:playground-A-C"),
