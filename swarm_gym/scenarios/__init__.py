@@ -43,6 +43,7 @@ from swarm_gym.scenarios.registry import (
 )
 from swarm_gym.scenarios.scenario import Scenario
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
+from swarm_gym.scenarios.terrain.shade import hill_shade
 
 __all__ = [
     "FAMILIES",
@@ -73,6 +74,7 @@ __all__ = [
     "drive_of",
     "expand_name",
     "grown",
+    "hill_shade",
     "make_scenario",
     "make_scenarios",
     "rasterised",
