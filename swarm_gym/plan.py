@@ -15,11 +15,11 @@ from typing import Any
 
 from swarm_gym.command import NumberParser, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
-from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
+from swarm_gym.scenarios.formats.geographic import COORDINATES
 
 INVALID, NO_PATH = 2, 3  # exit statuses
 

@@ -23,7 +23,7 @@ from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
 from swarm_gym.scenarios.scenario import Scenario
-from swarm_gym.scenarios.terrain import generated
+from swarm_gym.scenarios.terrain import file_family, generated, uav56
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
@@ -150,6 +150,8 @@ FAMILIES: dict[str, Family] = {
     ioh_scenario.NAME: ioh_scenario.FAMILY,
     onemax.NAME: onemax.FAMILY,
     generated.NAME: generated.FAMILY,
+    file_family.NAME: file_family.FAMILY,
+    uav56.NAME: uav56.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.make_family(expand_name, make_scenario),

@@ -11,6 +11,9 @@ from helpers.features import collection, feature, read, written
 from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
+from swarm_gym.planning.previous import require_previous
+from swarm_gym.planning.tasks import read_task
+from swarm_gym.planning.writing import as_ros_path
 from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
     PLANE,
@@ -20,9 +23,6 @@ from swarm_gym.scenarios.formats.geographic import (
     named_by,
     projection_for,
 )
-from swarm_gym.planning.previous import require_previous
-from swarm_gym.planning.tasks import read_task
-from swarm_gym.planning.writing import as_ros_path
 
 pyproj = pytest.importorskip("pyproj", reason="needs the extra `maps`")
 GEOD = pyproj.Geod(ellps="WGS84")

@@ -42,7 +42,7 @@ class Elevation(NamedTuple):
         return x, y, x + dx * (columns - 1), y + dy * (rows - 1)
 
     def at(self, points: Floats) -> Floats:
-        """Return heights (n,) at coordinates (n, 2), bilinear between posts; NaN off the map or beside gaps."""
+        """Return heights (n,) at coordinates (n, 2), bilinear; NaN off the map or beside gaps."""
         place = (points - np.array(self.origin)) / np.array(self.spacing)
         rows, columns = self.heights.shape
         last = np.array([columns - 1.0, rows - 1.0])
@@ -61,6 +61,6 @@ def require_posts(path: Path, rows: int, columns: int) -> None:
     """Raise a ScenarioError if a file has no heights, or too many."""
     if rows < 1 or columns < 1 or rows * columns > MAX_POSTS:
         raise ScenarioError(
-            f"{path}: expected 1 to {MAX_POSTS:,} heights, got {rows} rows of {columns}; cut a large file to the "
-            "area of the flight"
+            f"{path}: expected 1 to {MAX_POSTS:,} heights, got {rows} rows of {columns}; cut a large file "
+            "to the area of the flight"
         )

@@ -22,13 +22,15 @@ def read_elevation(path: Path) -> Elevation:
     """Return the content of an elevation model; the ending of the name says which kind of file it is.
 
     Raises:
-        ScenarioError: if the ending is another one, or the file cannot be read, is malformed or has no height.
+        ScenarioError: if the ending is another one, or the file cannot be read, is malformed or has no
+            height.
         MissingExtraError: for a GeoTIFF, if rasterio is missing.
     """
     ending = path.suffix.lower()
     if ending not in READERS:
         raise ScenarioError(
-            f"map {shown(str(path))}: expected an elevation model: {', '.join(READERS)}, got {ending or 'no ending'}"
+            f"map {shown(str(path))}: expected an elevation model: {', '.join(READERS)}, got "
+            f"{ending or 'no ending'}"
         )
     found = READERS[ending](path)
     rows, columns = found.heights.shape

@@ -1,8 +1,8 @@
 """ESRI ASCII grids: a head with the place of the cells, then heights row by row from north to south.
 
-Source: "Esri ASCII raster format" in the documentation of ArcGIS. Heights are at the centres of cells. The file
-`.prj` beside it names the coordinate reference system. Without one, coordinates are degrees if they can be, and a
-cell is smaller than `FINEST_METRES`.
+Source: "Esri ASCII raster format" in the documentation of ArcGIS. Heights are at the centres of cells. The
+file `.prj` beside it names the coordinate reference system. Without one, coordinates are degrees if they can
+be, and a cell is smaller than `FINEST_METRES`.
 """
 
 import re
@@ -57,7 +57,8 @@ def read(path: Path) -> Elevation:
     heights = _numbers(path, body)
     if len(heights) != rows * columns:
         raise ScenarioError(
-            f"{path}: expected {rows} x {columns} = {rows * columns} heights, got {len(heights)}; is the file whole?"
+            f"{path}: expected {rows} x {columns} = {rows * columns} heights, got {len(heights)}; is the "
+            "file whole?"
         )
     heights[heights == head.get("nodata_value", NO_DATA)] = np.nan
     heights[~np.isfinite(heights)] = np.nan
@@ -93,8 +94,8 @@ def _needed(path: Path, head: dict[str, float], *names: str) -> float:
         if name in head:
             return head[name]
     raise ScenarioError(
-        f"{path}: the key {' or '.join(names)} is missing; expected the head of an ESRI ASCII grid: ncols, nrows, "
-        "xllcorner, yllcorner, cellsize"
+        f"{path}: the key {' or '.join(names)} is missing; expected the head of an ESRI ASCII grid: ncols, "
+        "nrows, xllcorner, yllcorner, cellsize"
     )
 
 

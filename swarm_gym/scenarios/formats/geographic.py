@@ -99,8 +99,8 @@ def kind_of_system(where: str, system: str) -> str:
     units = {axis.unit_name for axis in found.axis_info[:2]}
     if not found.is_projected or any(axis.unit_conversion_factor != 1.0 for axis in found.axis_info[:2]):
         raise ScenarioError(
-            f"{where}: expected coordinates in degrees or metres, the reference system {shown(found.name)} has "
-            f"{', '.join(sorted(units)) or 'none'}; warp the file first, for example to UTM"
+            f"{where}: expected coordinates in degrees or metres, the reference system {shown(found.name)} "
+            f"has {', '.join(sorted(units)) or 'none'}; warp the file first, for example to UTM"
         )
     return PLANE
 

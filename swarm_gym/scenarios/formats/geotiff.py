@@ -48,8 +48,8 @@ def _content(path: Path, file: Any) -> Elevation:
         )
     if place.b or place.d or not (place.a > 0.0 and place.e < 0.0):
         raise ScenarioError(
-            f"{path}: expected rows from north to south and columns from west to east, the picture is turned: "
-            f"{shown(tuple(place)[:6])}; warp it first, for example with gdalwarp"
+            f"{path}: expected rows from north to south and columns from west to east, the picture is "
+            f"turned: {shown(tuple(place)[:6])}; warp it first, for example with gdalwarp"
         )
     unit = file.units[0]
     if unit is not None and unit.strip().lower() not in METRES:

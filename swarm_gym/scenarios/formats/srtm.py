@@ -1,7 +1,7 @@
 """Files `.hgt` of the Shuttle Radar Topography Mission: one degree, whose south-west corner is in the name.
 
-Source: "SRTM data format" of the NASA Land Processes DAAC. Heights are big-endian integers in metres, 1201 or 3601
-in a row and as many rows, from north to south. The outermost ones lie on whole degrees. -32768 is a gap.
+Source: "SRTM data format" of the NASA Land Processes DAAC. Heights are big-endian integers in metres, 1201 or
+3601 in a row and as many rows, from north to south. The outermost ones lie on whole degrees. -32768 is a gap.
 """
 
 import re
@@ -40,8 +40,9 @@ def read(path: Path) -> Elevation:
     sides = {2 * side * side: side for side in SIDES}
     if len(content) not in sides:
         raise ScenarioError(
-            f"{path}: expected {' or '.join(map(str, sides))} bytes, for {' or '.join(map(str, SIDES))} heights "
-            f"in a row, got {len(content)}{' or more' if len(content) > max(sides) else ''}; is the file whole?"
+            f"{path}: expected {' or '.join(map(str, sides))} bytes, for {' or '.join(map(str, SIDES))} "
+            f"heights in a row, got {len(content)}{' or more' if len(content) > max(sides) else ''}; is the "
+            "file whole?"
         )
     side = sides[len(content)]
     heights = np.frombuffer(content, dtype=">i2").reshape(side, side)[::-1].astype(np.float64)

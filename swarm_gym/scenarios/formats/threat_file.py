@@ -27,7 +27,8 @@ class Threat(NamedTuple):
         name: words that name the file and the feature in messages.
         place: x and y, or longitude and latitude.
         radius: radius in metres.
-        height: height of the top above the ground, in metres; infinite for all altitudes; None where `top` is given.
+        height: height of the top above the ground, in metres; infinite for all altitudes; None where `top` is
+            given.
         top: height of the top above sea level, in metres; None where `height` is given.
     """
 
@@ -39,7 +40,7 @@ class Threat(NamedTuple):
 
 
 class Threats(NamedTuple):
-    """The content of a file: its threats, and the kind of coordinates that it names; None if it names none."""
+    """The content of a file: threats, and the kind of coordinates that it names; None if it names none."""
 
     threats: tuple[Threat, ...]
     kind: str | None
@@ -65,7 +66,9 @@ def read_threats(path: Path) -> Threats:
         raise ScenarioError(f"{path}: expected GeoJSON: {error}") from error
     features = found.get("features") if isinstance(found, dict) else None
     if not isinstance(features, list) or found.get("type") != "FeatureCollection":
-        raise ScenarioError(f"{path}: expected a FeatureCollection of GeoJSON with features, got {shown(found)}")
+        raise ScenarioError(
+            f"{path}: expected a FeatureCollection of GeoJSON with features, got {shown(found)}"
+        )
     threats = tuple(_threat(f"{path}: feature {number}", one) for number, one in enumerate(features))
     return Threats(threats, named_by(str(path), found.get("crs")))
 
@@ -80,15 +83,21 @@ def _threat(name: str, feature: Any) -> Threat:
     if not isinstance(place, list) or len(place) < 2 or not all(map(_is_number, place[:2])):
         raise ScenarioError(f"{name}: expected coordinates [x, y], got {shown(place)}")
     if not all(abs(number) <= 1e9 for number in place[:2]):
-        raise ScenarioError(f"{name}: coordinates must be finite, at most 1e9 in size, got {shown(place[:2])}")
+        raise ScenarioError(
+            f"{name}: coordinates must be finite, at most 1e9 in size, got {shown(place[:2])}"
+        )
     if not isinstance(properties, dict) or "radius" not in properties:
-        raise ScenarioError(f"{name}: a threat without radius; add the property radius, in metres, such as 75")
+        raise ScenarioError(
+            f"{name}: a threat without radius; add the property radius, in metres, such as 75"
+        )
     radius = _number(name, properties, "radius")
-    if radius is None or not 0.0 < radius:
+    if radius is None or not radius > 0.0:
         raise ScenarioError(f"{name}: radius must be positive, in metres, got {shown(properties['radius'])}")
     height, top = _number(name, properties, "height"), _number(name, properties, "top")
     if height is not None and top is not None:
-        raise ScenarioError(f"{name}: both height above ground and top above sea level are given; expected one")
+        raise ScenarioError(
+            f"{name}: both height above ground and top above sea level are given; expected one"
+        )
     if height is not None and height <= 0.0:
         raise ScenarioError(f"{name}: height must be positive, in metres above ground, got {height:g}")
     if height is None and top is None:
@@ -102,8 +111,10 @@ def _number(name: str, properties: dict[str, Any], key: str) -> float | None:
     value = properties.get(key)
     if value is None and key != "radius":
         return None
-    if not _is_number(value) or not abs(value) <= MAX_SIZE:
-        raise ScenarioError(f"{name}: {key} must be a number of metres, at most {MAX_SIZE:g}, got {shown(value)}")
+    if value is None or not _is_number(value) or not abs(value) <= MAX_SIZE:
+        raise ScenarioError(
+            f"{name}: {key} must be a number of metres, at most {MAX_SIZE:g}, got {shown(value)}"
+        )
     return float(value)
 
 

@@ -1,7 +1,8 @@
-"""Flights over ground in files: the scenarios `terrain-file:<path>?start=<x>,<y>,<height>&goal=<x>,<y>,<height>`.
+"""Flights over ground in files: the scenarios `terrain-file:<path>?start=<x>,<y>,<height>&goal=...`.
 
-The file is an elevation model: `.asc` (ESRI ASCII grid), `.hgt` (SRTM) or `.tif` (GeoTIFF). x and y are longitude and
-latitude where the file is in degrees. Heights are above ground, in metres. These parts may follow:
+The file is an elevation model: `.asc` (ESRI ASCII grid), `.hgt` (SRTM) or `.tif` (GeoTIFF). x and y are
+longitude and latitude where the file is in degrees. Heights are above ground, in metres. These parts may
+follow:
 
 * `&threats=<path>`: a GeoJSON file of points with a radius, see `formats.threat_file`;
 * `&altitude=<least>-<greatest>`: heights above ground that are allowed, 100-200 by default;
@@ -10,7 +11,6 @@ latitude where the file is in degrees. Heights are above ground, in metres. Thes
 """
 
 import re
-from pathlib import Path
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, spaceless
@@ -19,7 +19,10 @@ from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 from swarm_gym.scenarios.terrain.survey import Survey, survey
 
 NAME = "terrain-file"
-USAGE = f"{NAME}:<path>?start=<x>,<y>,<height>&goal=<x>,<y>,<height>[&threats=<path>][&altitude=<least>-<greatest>]"
+USAGE = (
+    f"{NAME}:<path>?start=<x>,<y>,<height>&goal=<x>,<y>,<height>"
+    "[&threats=<path>][&altitude=<least>-<greatest>]"
+)
 
 OPTIONS = ("threats", "altitude", "turn", "climb", "coordinates")
 _NUMBER = r"-?[0-9]{1,9}(?:\.[0-9]{1,15})?"
@@ -75,13 +78,17 @@ def _parse(name: str) -> tuple[str, _Point, _Point, dict[str, str]]:
     point = f"({_NUMBER}),({_NUMBER}),({_NUMBER})"
     match = re.fullmatch(rf"{NAME}:([^?&]+)\?start={point}&goal={point}((?:&[a-z]+=[^&]+)*)", name)
     if not match:
-        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with decimal numbers, heights in metres")
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected {USAGE}, with decimal numbers, heights in metres"
+        )
     x, y, height, goal_x, goal_y, goal_height = map(float, match.groups()[1:7])
     options: dict[str, str] = {}
     for part in match[8].split("&")[1:]:
         key, _, value = part.partition("=")
         if key not in OPTIONS or key in options:
-            raise ScenarioError(f"scenario {shown(name)}: expected each of {', '.join(OPTIONS)} once, got {shown(part)}")
+            raise ScenarioError(
+                f"scenario {shown(name)}: expected each of {', '.join(OPTIONS)} once, got {shown(part)}"
+            )
         options[key] = value
     return match[1], (x, y, height), (goal_x, goal_y, goal_height), options
 
@@ -91,5 +98,7 @@ def _numbers(name: str, key: str, text: str, between: str, count: int) -> tuple[
     found = re.fullmatch(between.join([r"([0-9]{1,9}(?:\.[0-9]{1,15})?)"] * count), text)
     if not found:
         example = "100-200" if count == 2 else "45"
-        raise ScenarioError(f"scenario {shown(name)}: {key} must be a text such as {example}, got {shown(text)}")
+        raise ScenarioError(
+            f"scenario {shown(name)}: {key} must be a text such as {example}, got {shown(text)}"
+        )
     return tuple(map(float, found.groups()))

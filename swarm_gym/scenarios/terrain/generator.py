@@ -2,10 +2,10 @@
 
 Source: the function `createmodel` of the program MetaBox of Z. Ma et al., NeurIPS 2025, repository
 MetaEvo/MetaBox, commit 5565a28. It follows M. A. Shehadeh and J. Kudela, "Benchmarking global optimization
-techniques for unmanned aerial vehicle path planning", arXiv 2501.14503 (2025). Only facts are taken from there:
-what is drawn, in which order, and how it is combined. From the same random stream the same terrain results,
-bit for bit, as long as NumPy and SciPy are the same and run on the same processor. Elsewhere heights may
-differ in their last digits.
+techniques for unmanned aerial vehicle path planning", arXiv 2501.14503 (2025). Only facts are taken from
+there: what is drawn, in which order, and how it is combined. From the same random stream the same terrain
+results, bit for bit, as long as NumPy and SciPy are the same and run on the same processor. Elsewhere heights
+may differ in their last digits.
 
 The terrain begins with one to four random points. Eight times every point gets three new points around it,
 whose heights and roughnesses are interpolated and disturbed. The height map interpolates all points linearly.
@@ -63,7 +63,7 @@ class Terrain(NamedTuple):
 
 
 class Level(NamedTuple):
-    """Random numbers of the new points of a level: angle and distance from the parent, and two disturbances."""
+    """Random numbers of the points of a level: angle and distance from the parent, two disturbances."""
 
     angle: Floats
     distance: Floats
@@ -159,7 +159,8 @@ def terrain_with(draws: Draws, heights: Floats) -> Terrain:
     columns, rows = threats[:, 0].astype(np.int64), threats[:, 1].astype(np.int64)
     for number in np.flatnonzero(rows >= SIDE).tolist():
         raise ScenarioError(
-            f"terrain: threat {number} lies at y = {rows[number]}, expected below {SIDE}; draw another terrain"
+            f"terrain: threat {number} lies at y = {rows[number]}, expected below {SIDE}; draw "
+            "another terrain"
         )
     threats[:, 2] = np.round(heights[rows, columns] - 10 + threats[:, 2])
     heights.flags.writeable = threats.flags.writeable = False
@@ -169,8 +170,8 @@ def terrain_with(draws: Draws, heights: Floats) -> Terrain:
 def heights_of(draws: Draws) -> Floats:
     """Return the height map: all points of all levels, interpolated at the cells.
 
-    For each triangle SciPy solves two equations with LAPACK, whose threads wait for each other. On a processor
-    that has other work, one terrain took minutes with all threads, and seconds with one.
+    For each triangle SciPy solves two equations with LAPACK, whose threads wait for each other. On a
+    processor that has other work, one terrain took minutes with all threads, and seconds with one.
     """
     from threadpoolctl import threadpool_limits
 

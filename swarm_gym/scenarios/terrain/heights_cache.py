@@ -1,7 +1,7 @@
 """Height maps of generated terrains on the disk, since each takes seconds to make and 6.5 MB to keep.
 
-They lie in the user's cache, in a folder for each version of NumPy and SciPy, on which their last digits depend.
-The newest `MOST` files are kept.
+They lie in the user's cache, in a folder for each version of NumPy and SciPy, on which their last digits
+depend. The newest `MOST` files are kept.
 """
 
 from contextlib import suppress

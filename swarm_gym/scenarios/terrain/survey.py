@@ -1,7 +1,8 @@
 """Flights over real ground: an elevation model, threats, a start and a goal as a task in metres.
 
-An elevation model in metres keeps its posts, if they are as far apart to the east as to the north. One in degrees is
-sampled on a grid of metres around start and goal, twice as fine as its posts where that is not too much.
+An elevation model in metres keeps its posts, if they are as far apart to the east as to the north. One in
+degrees is sampled on a grid of metres around start and goal, twice as fine as its posts where that is not too
+much.
 """
 
 import math
@@ -96,15 +97,18 @@ def survey(
     elevation = read_elevation(path)
     kind = coordinates or elevation.kind
     if kind == PLANE and elevation.kind == GEOGRAPHIC:
-        raise ScenarioError(f"{path}: the map is in longitude and latitude; expected start and goal in them, too")
+        raise ScenarioError(
+            f"{path}: the map is in longitude and latitude; expected start and goal in them, too"
+        )
     for role, end in (("start", start), ("goal", goal)):
         if len(end) != 3 or not all(map(math.isfinite, end)):
             raise ScenarioError(f"{path}: {role} must be x, y and height above ground, got {shown(end)}")
     found = Threats((), None) if threats is None else read_threats(threats)
     if found.kind not in (None, kind):
         raise ScenarioError(
-            f"{threats}: the file names coordinates {found.kind!r}, and start and goal are in {kind!r}; expected the "
-            "same"
+            f"{threats}: the file names coordinates {found.kind!r}, and start and goal are in {kind!r}; "
+            "expected "
+            "the same"
         )
     ends = np.array([start[:2], goal[:2]])
     system = _system_for(path, elevation, kind, ends)
@@ -132,9 +136,7 @@ def survey(
     return Survey(bare, elevation, system, kind)
 
 
-def _system_for(
-    path: Path, elevation: Elevation, kind: str, ends: Floats
-) -> Projection | PlaneSystem | None:
+def _system_for(path: Path, elevation: Elevation, kind: str, ends: Floats) -> Projection | PlaneSystem | None:
     """Return the projection between degrees and the metres of the task."""
     if elevation.kind == GEOGRAPHIC:
         return projection_for(str(path), ends)
@@ -142,8 +144,8 @@ def _system_for(
         return PlaneSystem(elevation.system)
     if kind == GEOGRAPHIC:
         raise ScenarioError(
-            f"{path}: the file names no coordinate reference system, so longitude and latitude have no place on it; "
-            "give start and goal in its own metres, or add a .prj file"
+            f"{path}: the file names no coordinate reference system, so longitude and latitude have no "
+            "place on it; give start and goal in its own metres, or add a .prj file"
         )
     return None
 
@@ -158,13 +160,15 @@ def _ground(
     """Return heights around start and goal, the coordinates of the first one, and their distance."""
     reach = max(REACH * math.dist(*ends.tolist()), LEAST_REACH)
     low, high = ends.min(axis=0) - reach, ends.max(axis=0) + reach
-    posts = _as_posts(path, elevation)
+    posts = _as_posts(elevation)
     if posts is not None:
         spacing = posts.spacing[0]
         _require_inside(path, elevation, np.array(posts.box), ends, given)
         rows, columns = posts.heights.shape
         first = np.clip(np.floor((low - posts.origin) / spacing), 0, [columns - 2, rows - 2]).astype(int)
-        last = np.clip(np.ceil((high - posts.origin) / spacing), first + 1, [columns - 1, rows - 1]).astype(int)
+        last = np.clip(np.ceil((high - posts.origin) / spacing), first + 1, [columns - 1, rows - 1]).astype(
+            int
+        )
         heights = posts.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
         start = np.array(posts.origin) + first * spacing
     else:
@@ -185,17 +189,16 @@ def _ground(
         row, column = np.argwhere(gaps)[0].tolist()
         place = start + spacing * np.array([column, row])
         raise ScenarioError(
-            f"{path}: {int(gaps.sum())} of {gaps.size} cells around start and goal have no data, one at x = {place[0]:g}, "
-            f"y = {place[1]:g}; fill the gaps, for example with gdal_fillnodata"
+            f"{path}: {int(gaps.sum())} of {gaps.size} cells around start and goal have no data, one at x "
+            f"= {place[0]:g}, y = {place[1]:g}; fill the gaps, for example with gdal_fillnodata"
         )
     x, y = start.tolist()
     return heights, (x, y), float(spacing)
 
 
-def _as_posts(path: Path, elevation: Elevation) -> Elevation | None:
-    """Return the elevation model if its posts are those of a task: in metres and as far apart in both directions."""
+def _as_posts(elevation: Elevation) -> Elevation | None:
+    """Return the elevation model if its posts are those of a task: in metres, evenly spaced both ways."""
     dx, dy = elevation.spacing
-    del path
     return elevation if elevation.kind == PLANE and abs(dx - dy) <= 1e-9 * dx else None
 
 
@@ -216,7 +219,7 @@ def _inner_box(elevation: Elevation, system: Projection | PlaneSystem | None) ->
     assert isinstance(system, Projection)
     dx, dy = elevation.spacing
     middle = np.array([[system.longitude, system.latitude]])
-    step = np.abs(system.to_metres(middle + [[dx, dy]]) - system.to_metres(middle))[0]
+    step = np.abs(system.to_metres(middle + np.array([[dx, dy]])) - system.to_metres(middle))[0]
     return np.array([west.max(), south.max(), east.min(), north.min()]), float(step.min())
 
 
@@ -228,8 +231,9 @@ def _require_inside(
         if not ((end >= box[:2]) & (end <= box[2:])).all():
             x_min, y_min, x_max, y_max = elevation.box
             raise ScenarioError(
-                f"{path}: {role} {user[0]:g}, {user[1]:g} lies outside the map, which reaches from {x_min:g}, {y_min:g} "
-                f"to {x_max:g}, {y_max:g} in {elevation.kind} coordinates; is it in another system?"
+                f"{path}: {role} {user[0]:g}, {user[1]:g} lies outside the map, which reaches from "
+                f"{x_min:g}, {y_min:g} to {x_max:g}, {y_max:g} in {elevation.kind} "
+                "coordinates; is it in another system?"
             )
 
 
@@ -238,8 +242,8 @@ def _require_degrees(threats: Sequence[Threat]) -> None:
         x, y = threat.place
         if abs(x) > 180.0 or abs(y) > 90.0:
             raise ScenarioError(
-                f"{threat.name}: expected longitude in [-180, 180] and latitude in [-90, 90], as start and goal, got "
-                f"{x:g}, {y:g}; is it in another system?"
+                f"{threat.name}: expected longitude in [-180, 180] and latitude in [-90, 90], as start and "
+                f"goal, got {x:g}, {y:g}; is it in another system?"
             )
 
 
@@ -247,7 +251,6 @@ def _cylinders(
     threats: Sequence[Threat], places: Floats, heights: Floats, origin: tuple[float, float], cell: float
 ) -> Floats:
     """Return x, y, top above sea level and radius of each threat."""
-    rows, columns = heights.shape
     model = Elevation(Path(), heights, origin, (cell, cell))
     x_min, y_min, x_max, y_max = model.box
     cylinders = np.empty((len(threats), 4))

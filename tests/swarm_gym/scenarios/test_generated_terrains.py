@@ -1,6 +1,7 @@
 """Generated terrains: equal to the published generator, their names and splits, the cache of height maps."""
 
 import hashlib
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -30,8 +31,8 @@ PUBLISHED = {
     ),
     (3_000_005, 30): (
         "78eb6c488c30cf7a",
-        (-279.32557249304597, -338.9425478191322, -366.03949732336264, -123.57588576397384, -281.63266600330707),
-        (101, 54, 802, 774),
+        (-279.32557249304597, -338.9425478191322, -366.03949732336264, -123.57588576397384,
+        -281.63266600330707), (101, 54, 802, 774),
         (170, 883, -182, 81), (368, 179, -192, 67),
     ),
 }  # fmt: skip
@@ -82,7 +83,7 @@ def test_test_terrains_are_those_of_one_stream_without_two_goals_in_threats():
 
 def test_splits_are_disjoint():
     ranges = sorted((split.first_seed, split.first_seed + split.size) for split in generated.SPLITS.values())
-    assert all(end <= first for (_, end), (first, _) in zip(ranges, ranges[1:], strict=False))
+    assert all(end <= first for (_, end), (first, _) in pairwise(ranges))
 
 
 @pytest.mark.parametrize(
