@@ -41,15 +41,15 @@ class Survey:
 
     Attributes:
         scenario: the task, in metres.
-        elevation: the elevation model as it is in the file.
+        elevation: the elevation model as it is in the file; None for a task that comes from no file.
         system: projection between degrees and metres; None where the map has no place on the earth.
         coordinates: kind of the coordinates that the user gives and gets.
     """
 
     scenario: TerrainScenario
-    elevation: Elevation
-    system: Projection | PlaneSystem | None
-    coordinates: str
+    elevation: Elevation | None = None
+    system: Projection | PlaneSystem | None = None
+    coordinates: str = PLANE
 
     def for_user(self, points: Floats) -> Floats:
         """Return points (n, 2) of the scenario in the user's coordinates."""
@@ -57,6 +57,17 @@ class Survey:
             return points
         assert self.system is not None
         return self.system.to_degrees(points)
+
+    def in_degrees(self, points: Floats) -> Floats | None:
+        """Return points (n, 2) of the scenario as longitude and latitude; None without a place on earth."""
+        return None if self.system is None else self.system.to_degrees(points)
+
+    def file_ground(self, points: Floats) -> Floats:
+        """Return the heights of the file, (n,), at points (n, 2); those of the task without a file."""
+        if self.elevation is None:
+            return self.scenario.ground(points)
+        degrees = self.elevation.kind == GEOGRAPHIC and self.system is not None
+        return self.elevation.at(self.system.to_degrees(points) if degrees and self.system else points)
 
 
 def survey(
