@@ -45,6 +45,9 @@ PENALTY = 1e4
 # Added to it for each metre there, so that of two flights that are not free the shorter way there is better.
 PENALTY_PER_METRE = 100.0
 
+# Metres by which the altitude band is wider here: along its limits, rounding would decide about segments.
+SLACK = 1e-6
+
 DEGREES = 180.0 / math.pi
 
 Terms = tuple[float, float, float, float, float, float, float]
@@ -53,9 +56,10 @@ Terms = tuple[float, float, float, float, float, float, float]
 @kernel(borrows=True)
 def evaluate(table: TerrainTable, path: Floats) -> tuple[float, float]:
     """Return fitness (minimised) and degree of collision of a flight, in metres; see `tables`."""
-    terms, collision = exact_terms(table, path)
     if table.cost == METABOX:
-        terms = metabox_terms(table, path)
+        terms, collision = metabox_terms(table, path)
+    else:
+        terms, collision = exact_terms(table, path)
     fitness = 0.0
     for k in range(len(terms)):
         fitness += WEIGHTS[k] * terms[k]
@@ -66,7 +70,7 @@ def evaluate(table: TerrainTable, path: Floats) -> tuple[float, float]:
 def terms_entry(table: TerrainTable, path: Floats) -> Terms:
     """Return the terms of a flight, without their weights, in the order of `TERMS`; for callers in Python."""
     if table.cost == METABOX:
-        return metabox_terms(table, path)
+        return metabox_terms(table, path)[0]
     return exact_terms(table, path)[0]
 
 
@@ -76,6 +80,7 @@ def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
     z = height(table, x, y) + above
     middle = 0.5 * (table.band[LOWEST] + table.band[HIGHEST])
+    lowest, highest = table.band[LOWEST] - SLACK, table.band[HIGHEST] + SLACK
     length, threats, altitude, angles, ground, band, limits = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     collision, before_x, before_y, before_climb = 0.0, 0.0, 0.0, 0.0
     for number in range(1, table.num_waypoints + 2):
@@ -96,7 +101,7 @@ def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
             angles += turn + abs(climb - before_climb)
         depth, contacts, inside = dangers(table, x, y, z, dx, dy, dz)
         threats += depth + PENALTY * contacts + PENALTY_PER_METRE * inside
-        below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z)
+        below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z, lowest, highest)
         if below > 0.0:
             depth = max(below * metres, LEAST_CONTACT)
             ground += PENALTY + PENALTY_PER_METRE * depth
