@@ -92,7 +92,7 @@ def test_the_share_below_zero_is_positive_where_anything_is_below(choice):
 
 
 def test_costs_are_those_of_published_code():
-    """It made them for these flights, of which a third have waypoints that fall together at corners."""
+    """Published code made these costs; a third of the flights have waypoints that fall together."""
     problem = TerrainProblem(published_terrain(), "spherical", 10, "metabox")
     stored = np.load(PUBLISHED)["ridges"]
     flights = drawn_flights(problem, 7, len(stored))
