@@ -47,7 +47,7 @@ class Settings:
         max_population_size: largest population size that an action can ask for; memory grows with it.
         source: source of new members: "uniform", as in the papers, "smooth", "mixed" or "guided"; see
             `swarm_gym.sources`. Points of a walk and vectors of test functions can only be uniform. Where a
-            robot drives, and over terrain, they cannot be guided.
+            robot drives, they cannot be guided.
         smooth_share: probability in [0, 1] that a new member is smooth; for the source "mixed" only.
         amplitude: largest offset of smooth members as a share of the workspace's width, in [0.01, 1]; None is
             0.5, and 0.05 for the source "guided".
@@ -203,11 +203,6 @@ class Settings:
         """Raise an error if an option has no effect on this kind of scenario, encoding or source."""
         if self.source != UNIFORM:
             self.require_sources(f"source {self.source!r}")
-        if self.source == GUIDED and not self.kind.has_ways:
-            raise SettingError(
-                f"source {GUIDED!r} needs planned ways, which {self.kind.name} have none of; choose source "
-                f"{SMOOTH!r} or {MIXED!r}"
-            )
         unused = set() if self.source == MIXED else {"smooth_share"}
         if self.source == UNIFORM and not self.decides_sources:
             unused |= {"amplitude", "bends"}

@@ -80,34 +80,52 @@ def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
     z = height(table, x, y) + above
     middle = 0.5 * (table.band[LOWEST] + table.band[HIGHEST])
-    lowest, highest = table.band[LOWEST] - SLACK, table.band[HIGHEST] + SLACK
     length, threats, altitude, angles, ground, band, limits = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     collision, before_x, before_y, before_climb = 0.0, 0.0, 0.0, 0.0
     for number in range(1, table.num_waypoints + 2):
         to_x, to_y, above = waypoint(table, path, number, x, y, above)
         to_z = height(table, to_x, to_y) + above
-        dx, dy, dz = to_x - x, to_y - y, to_z - z
-        level = math.sqrt(dx * dx + dy * dy)
-        metres = math.sqrt(dx * dx + dy * dy + dz * dz)
-        length += metres
         if number <= table.num_waypoints:
             altitude += abs(above - middle)
-        climb = DEGREES * arctangent(dz, level)
+        dx, dy = to_x - x, to_y - y
+        climb = DEGREES * arctangent(to_z - z, math.sqrt(dx * dx + dy * dy))
         limits += max(abs(climb) - table.limits[CLIMB], 0.0)
         if number > 1:
-            cross, dot = before_x * dy - before_y * dx, before_x * dx + before_y * dy
-            turn = DEGREES * arctangent(abs(cross), dot)
+            turn = turn_between(before_x, before_y, dx, dy)
             limits += max(turn - table.limits[TURN], 0.0)
             angles += turn + abs(climb - before_climb)
-        depth, contacts, inside = dangers(table, x, y, z, dx, dy, dz)
-        threats += depth + PENALTY * contacts + PENALTY_PER_METRE * inside
-        below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z, lowest, highest)
-        if below > 0.0:
-            depth = max(below * metres, LEAST_CONTACT)
-            ground += PENALTY + PENALTY_PER_METRE * depth
-            inside += depth
-        band += outside * metres
-        collision += inside
+        metres, at_threats, at_ground, outside, inside = segment_terms(table, x, y, z, to_x, to_y, to_z)
+        length, threats, ground = length + metres, threats + at_threats, ground + at_ground
+        band, collision = band + outside, collision + inside
         x, y, z, before_climb = to_x, to_y, to_z, climb
         before_x, before_y = dx, dy
     return (length, threats, altitude, angles, ground, band, limits), collision
+
+
+@kernel(borrows=True)
+def turn_between(before_x: float, before_y: float, dx: float, dy: float) -> float:
+    """Return the turn between two steps, seen from above, in degrees."""
+    cross, dot = before_x * dy - before_y * dx, before_x * dx + before_y * dy
+    return DEGREES * arctangent(abs(cross), dot)
+
+
+@kernel(borrows=True)
+def segment_terms(
+    table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
+) -> tuple[float, float, float, float, float]:
+    """Return the terms of one segment, without those of angles and limits.
+
+    Returns:
+        The length, the terms of threats, ground and band, and the metres in collision.
+    """
+    dx, dy, dz = to_x - x, to_y - y, to_z - z
+    metres = math.sqrt(dx * dx + dy * dy + dz * dz)
+    depth, contacts, inside = dangers(table, x, y, z, dx, dy, dz)
+    threats, ground = depth + PENALTY * contacts + PENALTY_PER_METRE * inside, 0.0
+    lowest, highest = table.band[LOWEST] - SLACK, table.band[HIGHEST] + SLACK
+    below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z, lowest, highest)
+    if below > 0.0:
+        depth = max(below * metres, LEAST_CONTACT)
+        ground = PENALTY + PENALTY_PER_METRE * depth
+        inside += depth
+    return metres, threats, ground, outside * metres, inside
