@@ -101,7 +101,6 @@ class Kind(NamedTuple):
         options: options that have an effect on such scenarios, by encoding.
         sourced: encodings whose decision vectors are whole paths, which can come from every source.
         calls_python: whether Python code evaluates decision vectors, which no compiled optimizer can call.
-        has_ways: whether ways can be planned on its maps, which members of the source "guided" lie beside.
         defaults: options whose defaults differ on such scenarios.
     """
 
@@ -109,7 +108,6 @@ class Kind(NamedTuple):
     options: dict[str, tuple[str, ...]]
     sourced: tuple[str, ...] = ()
     calls_python: bool = False
-    has_ways: bool = False
     defaults: Mapping[str, object] = MappingProxyType({})
 
 
@@ -121,7 +119,6 @@ KINDS: dict[type, Kind] = {
             "walk": ("encoding", "penalty", "cell_size", "clearance", "final_repair"),
         },
         sourced=("waypoints",),
-        has_ways=True,
     ),
     GridScenario: Kind(
         "grid maps",
@@ -131,7 +128,6 @@ KINDS: dict[type, Kind] = {
             "walk": ("encoding", "penalty", "clearance", "final_repair"),
         },
         sourced=("waypoints", "bezier"),
-        has_ways=True,
     ),
     TerrainScenario: Kind(
         "flights over terrain",

@@ -47,7 +47,7 @@ class Settings:
         max_population_size: largest population size that an action can ask for; memory grows with it.
         source: source of new members: "uniform", as in the papers, "smooth", "mixed" or "guided"; see
             `swarm_gym.sources`. Points of a walk and vectors of test functions can only be uniform. Where a
-            robot drives, and over terrain, they cannot be guided.
+            robot drives, they cannot be guided.
         smooth_share: probability in [0, 1] that a new member is smooth; for the source "mixed" only.
         amplitude: largest offset of smooth members as a share of the workspace's width, in [0.01, 1]; None is
             0.5, and 0.05 for the source "guided".
@@ -142,7 +142,7 @@ class Settings:
         knobs: dict[str, Any] = {name: options[name] for name in options if name in optimizer.parameters}
         optimizer.parameter_values(knobs)
         settings = cls(**values, knobs=knobs)
-        defaults = {name: value for name, value in settings.kind.defaults.items() if name not in values}
+        defaults: dict[str, Any] = {k: v for k, v in settings.kind.defaults.items() if k not in values}
         settings = replace(settings, **defaults) if defaults else settings
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings.refuse_unused(options)
@@ -203,11 +203,6 @@ class Settings:
         """Raise an error if an option has no effect on this kind of scenario, encoding or source."""
         if self.source != UNIFORM:
             self.require_sources(f"source {self.source!r}")
-        if self.source == GUIDED and not self.kind.has_ways:
-            raise SettingError(
-                f"source {GUIDED!r} needs planned ways, which {self.kind.name} have none of; choose source "
-                f"{SMOOTH!r} or {MIXED!r}"
-            )
         unused = set() if self.source == MIXED else {"smooth_share"}
         if self.source == UNIFORM and not self.decides_sources:
             unused |= {"amplitude", "bends"}

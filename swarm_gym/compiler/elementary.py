@@ -40,6 +40,9 @@ _SQUARE_ROOT_OF_HALF = math.sqrt(0.5)
 _NUM_TERMS = 13
 _EXP_TERMS = np.array([1.0 / math.factorial(k) for k in range(_NUM_TERMS + 1, 1, -1)])
 _LEAST_TANH = 1e-3  # below it, two terms of the series are more precise
+# Of the series in x^2 of sin(x) / x and cos(x), without their first terms, the last first.
+_SINE_TERMS = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(9, 0, -1)])
+_COSINE_TERMS = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(9, 0, -1)])
 # Arc tangents of 0, 1/8, ..., 1, from which an arc tangent differs by that of at most 1/16.
 _NUM_ARCS = 8
 _ARCS = np.array(
@@ -48,7 +51,7 @@ _ARCS = np.array(
         *(0.5585993153435624, 0.6435011087932844, 0.7188299996216245, 0.7853981633974483),
     ]
 )
-_NUM_ARC_TERMS = 7
+_ARC_TERMS = np.array([1.0 / (2 * k + 1) for k in range(7, 0, -1)])
 
 
 @kernel
@@ -131,6 +134,21 @@ def sine_of_quarters(x: float, quarters: int) -> float:
     return -found if quarter & 2 else found
 
 
+@kernel(borrows=True)
+def sine_and_cosine(x: float) -> tuple[float, float]:
+    """Return both of an angle below 10^6 in size, in a third of the time of two `sine_of_quarters`."""
+    count = math.floor(x / (0.5 * math.pi) + 0.5)
+    r = (x - count * _QUARTER_FIRST) - count * _QUARTER_REST
+    square, sine, cosine = r * r, 0.0, 0.0
+    for k in range(_SINE_TERMS.shape[0]):
+        sine = (sine + _SINE_TERMS[k]) * square
+        cosine = (cosine + _COSINE_TERMS[k]) * square
+    sine, cosine, quarter = r + r * sine, 1.0 + cosine, int(count) & 3
+    if quarter & 1:
+        sine, cosine = cosine, -sine
+    return (-sine, -cosine) if quarter & 2 else (sine, cosine)
+
+
 @kernel
 def arctangent(y: float, x: float) -> float:
     """Return the angle of (x, y) from the x axis, in radians from -pi to pi; 0 of the origin."""
@@ -143,8 +161,8 @@ def arctangent(y: float, x: float) -> float:
     whole = nearest / _NUM_ARCS
     rest = (tangent - whole) / (1.0 + tangent * whole)
     square, tail = rest * rest, 0.0
-    for k in range(_NUM_ARC_TERMS, 0, -1):
-        tail = square * (1.0 / (2 * k + 1) - tail)
+    for k in range(_ARC_TERMS.shape[0]):
+        tail = square * (_ARC_TERMS[k] - tail)
     angle = _ARCS[int(nearest)] + (rest - rest * tail)
     if steep:
         angle = 0.5 * math.pi - angle

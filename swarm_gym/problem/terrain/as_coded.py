@@ -16,7 +16,13 @@ from swarm_gym.compiler.elementary import arctangent
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.problem.padding import Floats
-from swarm_gym.problem.terrain.ground import height_as_coded, height_of_place, in_cells
+from swarm_gym.problem.terrain.ground import (
+    below_ground,
+    height,
+    height_as_coded,
+    height_of_place,
+    in_cells,
+)
 from swarm_gym.problem.terrain.table import (
     ABOVE,
     BLOCK,
@@ -30,7 +36,7 @@ from swarm_gym.problem.terrain.table import (
     X,
     Y,
 )
-from swarm_gym.problem.terrain.threats import distance_from, near
+from swarm_gym.problem.terrain.threats import LEAST_CONTACT, danger_of, distance_from, near
 from swarm_gym.problem.terrain.waypoints import waypoint
 
 NUM_SAMPLES = 12  # of a segment, its ends among them
@@ -41,10 +47,10 @@ DEGREES = 180.0 / math.pi
 @kernel(borrows=True)
 def metabox_terms(
     table: TerrainTable, path: Floats
-) -> tuple[float, float, float, float, float, float, float]:
-    """Return the terms in the order of `cost.TERMS`; the last two are 0."""
+) -> tuple[tuple[float, float, float, float, float, float, float], float]:
+    """Return the terms in the order of `cost.TERMS`, the last two 0, and the exact degree of collision."""
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
-    z = height_as_coded(table, x, y) + above
+    z, exact_z, collision = height_as_coded(table, x, y) + above, height(table, x, y) + above, 0.0
     middle = (table.band[HIGHEST] + table.band[LOWEST]) / 2.0
     length, threats, altitude, angles = 0.0, 0.0, 0.0, 0.0
     before_x, before_y, before_level, before_rise = 0.0, 0.0, 0.0, 0.0
@@ -52,6 +58,7 @@ def metabox_terms(
     for number in range(1, table.num_waypoints + 2):
         to_x, to_y, above = waypoint(table, path, number, x, y, above)
         to_z = height_as_coded(table, to_x, to_y) + above
+        exact_to_z = height(table, to_x, to_y) + above
         dx, dy, dz = to_x - x, to_y - y, to_z - z
         level = math.sqrt(dx * dx + dy * dy)
         length += math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -63,13 +70,19 @@ def metabox_terms(
             angles += _above(cross, dot, table.limits[TURN])
             cross, dot = before_level * dz - before_rise * level, before_level * level + before_rise * dz
             angles += _above(abs(cross), dot, table.limits[CLIMB])
-        threats += _threats(table, x, y, dx, dy)
+        found, inside = _threats(table, x, y, exact_z, dx, dy, exact_to_z - exact_z)
+        threats, collision = threats + found, collision + inside
+        below = below_ground(table, x, y, exact_z, to_x, to_y, exact_to_z, 0.0, math.inf)[0]
+        if below > 0.0:
+            rise = exact_to_z - exact_z
+            collision += max(below * math.sqrt(dx * dx + dy * dy + rise * rise), LEAST_CONTACT)
         is_clear = is_clear and _is_clear(table, x, y, z, to_x, to_y, to_z)
-        x, y, z = to_x, to_y, to_z
+        x, y, z, exact_z = to_x, to_y, to_z, exact_to_z
         before_x, before_y, before_level, before_rise = dx, dy, level, dz
     if has_gap:
         angles = _angles_across_gaps(table, path)
-    return length, threats, altitude, angles, 0.0 if is_clear else PENALTY, 0.0, 0.0
+    ground = 0.0 if is_clear else PENALTY
+    return (length, threats, altitude, angles, ground, 0.0, 0.0), collision
 
 
 @kernel(inline="late")
@@ -80,9 +93,11 @@ def _above(cross: float, dot: float, limit: float) -> float:
 
 
 @kernel(borrows=True)
-def _threats(table: TerrainTable, x: float, y: float, dx: float, dy: float) -> float:
-    """Return the depth of a segment in zones of danger, or the penalty where it is in contact."""
-    cost = 0.0
+def _threats(
+    table: TerrainTable, x: float, y: float, z: float, dx: float, dy: float, dz: float
+) -> tuple[float, float]:
+    """Return what threats cost a segment, by depths and contacts, and its length inside cylinders."""
+    cost, inside = 0.0, 0.0
     for first in range(0, table.threats.shape[1], NUM_LANES):
         flags = near(table, first, x, y, dx, dy)
         for lane in range(NUM_LANES):
@@ -91,9 +106,10 @@ def _threats(table: TerrainTable, x: float, y: float, dx: float, dy: float) -> f
                 distance = distance_from(table, number, x, y, dx, dy, 0.0, 1.0)
                 if distance < table.threats[CONTACT, number]:
                     cost += PENALTY
+                    inside += danger_of(table, number, x, y, z, dx, dy, dz)[1]
                 else:
                     cost += max(table.threats[DANGER, number] - distance, 0.0)
-    return cost
+    return cost, inside
 
 
 @kernel(borrows=True)

@@ -6,7 +6,7 @@ the map], and that upwards in [0, amplitude times the height of the band].
 
 import math
 
-from swarm_gym.compiler.elementary import logarithm, sine_of_quarters
+from swarm_gym.compiler.elementary import logarithm, sine_and_cosine
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.bends import HARMONICS, NUM_HARMONICS, NUM_MODES
 from swarm_gym.problem.padding import Floats
@@ -70,8 +70,8 @@ def _draw_offsets(
         for h in range(0, count, 2):  # Box-Muller
             k = first + h
             radius, angle = math.sqrt(-2.0 * logarithm(1.0 - noise[k])), 2.0 * math.pi * noise[k + 1]
-            noise[k] = radius * sine_of_quarters(angle, 1)
-            noise[k + 1] = radius * sine_of_quarters(angle, 0)
+            sine, cosine = sine_and_cosine(angle)
+            noise[k], noise[k + 1] = radius * cosine, radius * sine
     height = 0.0
     for k in range(n):
         offset = 0.0

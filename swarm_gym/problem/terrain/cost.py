@@ -45,6 +45,9 @@ PENALTY = 1e4
 # Added to it for each metre there, so that of two flights that are not free the shorter way there is better.
 PENALTY_PER_METRE = 100.0
 
+# Metres by which the altitude band is wider here: along its limits, rounding would decide about segments.
+SLACK = 1e-6
+
 DEGREES = 180.0 / math.pi
 
 Terms = tuple[float, float, float, float, float, float, float]
@@ -53,9 +56,10 @@ Terms = tuple[float, float, float, float, float, float, float]
 @kernel(borrows=True)
 def evaluate(table: TerrainTable, path: Floats) -> tuple[float, float]:
     """Return fitness (minimised) and degree of collision of a flight, in metres; see `tables`."""
-    terms, collision = exact_terms(table, path)
     if table.cost == METABOX:
-        terms = metabox_terms(table, path)
+        terms, collision = metabox_terms(table, path)
+    else:
+        terms, collision = exact_terms(table, path)
     fitness = 0.0
     for k in range(len(terms)):
         fitness += WEIGHTS[k] * terms[k]
@@ -66,7 +70,7 @@ def evaluate(table: TerrainTable, path: Floats) -> tuple[float, float]:
 def terms_entry(table: TerrainTable, path: Floats) -> Terms:
     """Return the terms of a flight, without their weights, in the order of `TERMS`; for callers in Python."""
     if table.cost == METABOX:
-        return metabox_terms(table, path)
+        return metabox_terms(table, path)[0]
     return exact_terms(table, path)[0]
 
 
@@ -81,28 +85,47 @@ def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
     for number in range(1, table.num_waypoints + 2):
         to_x, to_y, above = waypoint(table, path, number, x, y, above)
         to_z = height(table, to_x, to_y) + above
-        dx, dy, dz = to_x - x, to_y - y, to_z - z
-        level = math.sqrt(dx * dx + dy * dy)
-        metres = math.sqrt(dx * dx + dy * dy + dz * dz)
-        length += metres
         if number <= table.num_waypoints:
             altitude += abs(above - middle)
-        climb = DEGREES * arctangent(dz, level)
+        dx, dy = to_x - x, to_y - y
+        climb = DEGREES * arctangent(to_z - z, math.sqrt(dx * dx + dy * dy))
         limits += max(abs(climb) - table.limits[CLIMB], 0.0)
         if number > 1:
-            cross, dot = before_x * dy - before_y * dx, before_x * dx + before_y * dy
-            turn = DEGREES * arctangent(abs(cross), dot)
+            turn = turn_between(before_x, before_y, dx, dy)
             limits += max(turn - table.limits[TURN], 0.0)
             angles += turn + abs(climb - before_climb)
-        depth, contacts, inside = dangers(table, x, y, z, dx, dy, dz)
-        threats += depth + PENALTY * contacts + PENALTY_PER_METRE * inside
-        below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z)
-        if below > 0.0:
-            depth = max(below * metres, LEAST_CONTACT)
-            ground += PENALTY + PENALTY_PER_METRE * depth
-            inside += depth
-        band += outside * metres
-        collision += inside
+        metres, at_threats, at_ground, outside, inside = segment_terms(table, x, y, z, to_x, to_y, to_z)
+        length, threats, ground = length + metres, threats + at_threats, ground + at_ground
+        band, collision = band + outside, collision + inside
         x, y, z, before_climb = to_x, to_y, to_z, climb
         before_x, before_y = dx, dy
     return (length, threats, altitude, angles, ground, band, limits), collision
+
+
+@kernel(borrows=True)
+def turn_between(before_x: float, before_y: float, dx: float, dy: float) -> float:
+    """Return the turn between two steps, seen from above, in degrees."""
+    cross, dot = before_x * dy - before_y * dx, before_x * dx + before_y * dy
+    return DEGREES * arctangent(abs(cross), dot)
+
+
+@kernel(borrows=True)
+def segment_terms(
+    table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
+) -> tuple[float, float, float, float, float]:
+    """Return the terms of one segment, without those of angles and limits.
+
+    Returns:
+        The length, the terms of threats, ground and band, and the metres in collision.
+    """
+    dx, dy, dz = to_x - x, to_y - y, to_z - z
+    metres = math.sqrt(dx * dx + dy * dy + dz * dz)
+    depth, contacts, inside = dangers(table, x, y, z, dx, dy, dz)
+    threats, ground = depth + PENALTY * contacts + PENALTY_PER_METRE * inside, 0.0
+    lowest, highest = table.band[LOWEST] - SLACK, table.band[HIGHEST] + SLACK
+    below, outside, _ = below_ground(table, x, y, z, to_x, to_y, to_z, lowest, highest)
+    if below > 0.0:
+        depth = max(below * metres, LEAST_CONTACT)
+        ground = PENALTY + PENALTY_PER_METRE * depth
+        inside += depth
+    return metres, threats, ground, outside * metres, inside

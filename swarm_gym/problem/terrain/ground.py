@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from swarm_gym.compiler.jit import kernel
-from swarm_gym.problem.terrain.table import BLOCK, HIGHEST, LOWEST, X_MIN, Y_MIN, TerrainTable
+from swarm_gym.problem.terrain.table import BLOCK, X_MIN, Y_MIN, TerrainTable
 
 # Share of a piece that touches the ground at least, where rounding could leave nothing of it.
 TOUCH = 1e-9
@@ -96,18 +96,36 @@ def _next_line(number: int, last: int, size: int, begin: float, change: float) -
 
 @kernel(borrows=True)
 def below_ground(
-    table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
+    table: TerrainTable,
+    x: float,
+    y: float,
+    z: float,
+    to_x: float,
+    to_y: float,
+    to_z: float,
+    lowest: float,
+    highest: float,
 ) -> tuple[float, float, float]:
     """Measure a straight segment between two points of the map and their heights.
 
+    Args:
+        table: the problem table.
+        x: x of the first point.
+        y: y of the first point.
+        z: height of the first point.
+        to_x: x of the second point.
+        to_y: y of the second point.
+        to_z: height of the second point.
+        lowest: least altitude of a band above ground, at least 0.
+        highest: largest altitude of the band.
+
     Returns:
-        The share of the segment below the ground, the share outside the altitude band, and an upper bound
-        of its largest depth below the ground.
+        The share of the segment below the ground, the share outside the band, and an upper bound of its
+        largest depth below the ground.
     """
     u, v = in_cells(table, x, y)
     to_u, to_v = in_cells(table, to_x, to_y)
     du, dv, dz = to_u - u, to_v - v, to_z - z
-    lowest, highest = table.band[LOWEST], table.band[HIGHEST]
     last_column = (table.num_columns - 2) // BLOCK
     last_row = (table.num_rows - 2) // BLOCK
     column, row = min(int(u) // BLOCK, last_column), min(int(v) // BLOCK, last_row)
@@ -124,7 +142,7 @@ def below_ground(
                 if low >= 0.0 and (high < lowest or low > highest):
                     outside += there - here
                 else:
-                    found = _in_cells_of_block(table, u, v, z, du, dv, dz, here, there)
+                    found = _in_cells_of_block(table, u, v, z, du, dv, dz, here, there, lowest, highest)
                     below, outside, deepest = below + found[0], outside + found[1], max(deepest, found[2])
         if there >= 1.0:
             return below, outside, deepest
@@ -146,9 +164,10 @@ def _in_cells_of_block(
     dz: float,
     begin: float,
     end: float,
+    lowest: float,
+    highest: float,
 ) -> tuple[float, float, float]:
     """Measure the part of a segment from one share to another, cell by cell, as `below_ground` does."""
-    lowest, highest = table.band[LOWEST], table.band[HIGHEST]
     last_column, last_row = table.num_columns - 2, table.num_rows - 2
     middle = begin + 1e-9 * (end - begin)  # on the line between two cells, the one ahead counts
     column = min(max(math.floor(u + du * middle), 0), last_column)

@@ -1,7 +1,7 @@
 """Problems of flights over terrain: the flight of least cost from a start to a goal."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -32,12 +32,15 @@ class TerrainProblem(Problem):
         encoding: a name in `swarm_gym.problem.terrain.table.ENCODINGS`.
         num_waypoints: n, number of waypoints between start and goal.
         cost: a name in `swarm_gym.problem.terrain.table.COSTS`.
+        ways: (K, 2 n) the flights that smooth new members lie beside, as offsets sideways and upwards from
+            the start-goal line in any encoding; None is the line.
     """
 
     scenario: TerrainScenario
     encoding: str = "waypoints"
     num_waypoints: int = 10
     cost: str = "documented"
+    ways: Floats | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
@@ -52,7 +55,8 @@ class TerrainProblem(Problem):
     @cached_property
     def table(self) -> TerrainTable:
         """The problem as the kernels read it."""
-        return tabulate(self.scenario, ENCODINGS[self.encoding], COSTS[self.cost], self.num_waypoints)
+        encoding, cost = ENCODINGS[self.encoding], COSTS[self.cost]
+        return tabulate(self.scenario, encoding, cost, self.num_waypoints, self.ways)
 
     @property
     def lower_bound(self) -> float:

@@ -126,7 +126,7 @@ def _rise(table: TerrainTable, places: Floats, repair_degree: float) -> bool:
         x, y, to_x, to_y = places[number, X], places[number, Y], places[number + 1, X], places[number + 1, Y]
         z = height(table, x, y) + places[number, ABOVE]
         to_z = height(table, to_x, to_y) + places[number + 1, ABOVE]
-        depth = below_ground(table, x, y, z, to_x, to_y, to_z)[2]
+        depth = below_ground(table, x, y, z, to_x, to_y, to_z, 0.0, math.inf)[2]
         if depth > 0.0:
             rose = True
             for end in range(number, number + 2):

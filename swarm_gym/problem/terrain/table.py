@@ -105,7 +105,9 @@ def select(tables: TerrainTables, index: int) -> TerrainTable:
     )
 
 
-def tabulate(scenario: TerrainScenario, encoding: int, cost: int, num_waypoints: int) -> TerrainTable:
+def tabulate(
+    scenario: TerrainScenario, encoding: int, cost: int, num_waypoints: int, ways: Floats | None
+) -> TerrainTable:
     """Return the problem table of a scenario.
 
     Published code turns headings into steps (r sin phi, r cos phi) and yet bounds them around the angle of
@@ -116,6 +118,8 @@ def tabulate(scenario: TerrainScenario, encoding: int, cost: int, num_waypoints:
         encoding: a value of `ENCODINGS`.
         cost: a value of `COSTS`.
         num_waypoints: n.
+        ways: (K, 2 n) the flights that smooth bends lie beside, as offsets sideways and upwards; the
+            start-goal line if there are none.
     """
     axes = axes_of(scenario)
     length = plan_length(scenario)
@@ -146,7 +150,7 @@ def tabulate(scenario: TerrainScenario, encoding: int, cost: int, num_waypoints:
         float(spacing),
         np.array([axes.cosine, axes.sine]),
         float((high - low).max()),
-        np.zeros((1, 2 * num_waypoints)),
+        np.zeros((1, 2 * num_waypoints)) if ways is None else ways,
         modes(num_waypoints),
         np.array([scenario.start, scenario.goal]),
         np.array(scenario.workspace),

@@ -7,7 +7,7 @@ above it from its top plus that size on.
 import math
 
 from swarm_gym.compiler.jit import kernel
-from swarm_gym.compiler.simd import NUM_LANES, Lanes, bits, broadcast, load, maximum, minimum
+from swarm_gym.compiler.simd import NUM_LANES, bits, load, maximum, minimum
 from swarm_gym.problem.terrain.table import (
     CENTRE_X,
     CENTRE_Y,
@@ -22,24 +22,16 @@ from swarm_gym.problem.terrain.table import (
 LEAST_CONTACT = 1e-6
 
 
-@kernel(inline="late")
-def _are_near(
-    table: TerrainTable, first: int, x: float, y: float, dx: float, dy: float, inverse: float
-) -> Lanes:
-    """Return which of eight threats a segment endangers, seen from above, as a mask."""
-    to_x = load(table.threats[CENTRE_X], first) - broadcast(x)
-    to_y = load(table.threats[CENTRE_Y], first) - broadcast(y)
-    share = (to_x * dx + to_y * dy) * inverse
-    share = minimum(maximum(share, 0.0), 1.0)
-    away_x, away_y = to_x - share * dx, to_y - share * dy
-    return away_x * away_x + away_y * away_y < load(table.threats[SQUARED_DANGER], first)
-
-
 @kernel(borrows=True)
 def near(table: TerrainTable, first: int, x: float, y: float, dx: float, dy: float) -> int:
     """Return which of eight threats, from the number `first` on, a segment endangers, as bits."""
     squared = dx * dx + dy * dy
-    return bits(_are_near(table, first, x, y, dx, dy, 1.0 / squared if squared > 0.0 else 0.0))
+    inverse = 1.0 / squared if squared > 0.0 else 0.0
+    to_x = load(table.threats[CENTRE_X], first) - x
+    to_y = load(table.threats[CENTRE_Y], first) - y
+    share = minimum(maximum((to_x * dx + to_y * dy) * inverse, 0.0), 1.0)
+    away_x, away_y = to_x - share * dx, to_y - share * dy
+    return bits(away_x * away_x + away_y * away_y < load(table.threats[SQUARED_DANGER], first))
 
 
 @kernel(borrows=True)

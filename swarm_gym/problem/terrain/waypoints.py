@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from swarm_gym.compiler.elementary import arctangent, sine_of_quarters
+from swarm_gym.compiler.elementary import arctangent, sine_and_cosine
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.problem.padding import Floats
 from swarm_gym.problem.terrain.ground import height
@@ -51,10 +51,11 @@ def waypoint(
         to_above = line + path[n + number]
     else:
         step, climb, heading = path[3 * number - 2], path[3 * number - 1], path[3 * number]
-        level = step * sine_of_quarters(climb, 1)
-        ahead, aside = level * sine_of_quarters(heading, 1), level * sine_of_quarters(heading, 0)
+        rise, level = sine_and_cosine(climb)
+        aside, ahead = sine_and_cosine(heading)
+        aside, ahead = step * level * aside, step * level * ahead
         to_x, to_y = (x + aside, y + ahead) if table.encoding == SWAPPED else (x + ahead, y + aside)
-        to_above = above + step * sine_of_quarters(climb, 0)
+        to_above = above + step * rise
     return (
         clipped(to_x, table.extent[X_MIN], table.extent[X_MAX]),
         clipped(to_y, table.extent[Y_MIN], table.extent[Y_MAX]),
