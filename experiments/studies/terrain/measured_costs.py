@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 class Asked(NamedTuple):
-    """What is run for each row and terrain.
+    """Runs of each row on each terrain.
 
     Attributes:
         cost: name of the cost.

@@ -15,7 +15,7 @@ def tables(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked
     Args:
         measured: best costs, (terrains, budgets, runs), by the name of the row.
         terrains: names of the terrains.
-        asked: what was run.
+        asked: runs of each row.
     """
     best = np.min([costs.min(axis=(1, 2)) for costs in measured.values()], axis=0)
     return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
