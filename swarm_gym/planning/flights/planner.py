@@ -38,9 +38,11 @@ def plan_flight(
 ) -> Flight:
     """Return a short flight over terrain that keeps to the altitude band and the limits, and out of threats.
 
-    A swarm looks for routes, seen from above. Over each the shortest flight in the altitude band is known,
-    see `profile`, and whether there is one. Episodes run until a budget is spent, each from another seed;
-    without a budget, `EPISODES` do. With a longer budget the flight is never longer.
+    A coarse graph, and swarms that begin beside its flights, look for routes, seen from above. Over each
+    route the shortest flight in the altitude band is known, see `profile`, and whether there is one.
+    Episodes run until a budget is spent, each from another seed; without a budget, `EPISODES` do. With more
+    evaluations the flight is never longer. Where the straight line can be flown, it is the result, unless an
+    optimizer, a controller or a budget is named.
 
     Args:
         where: an elevation model (`.tif`, `.asc`, `.hgt`), a scenario, or its name such as "terrain:test:0".

@@ -58,7 +58,7 @@ class Flight:
         passed: all threats, the nearest first.
         evaluations: evaluations of the optimizer.
         seconds: time that planning took.
-        found_by: "straight line" or "swarm".
+        found_by: "straight line", "coarse graph" if no swarm found a shorter one, or "swarm".
         stopped: whether Ctrl-C ended planning.
         improvements: the flights that were the shortest one in turn, the last of which is this one.
     """

@@ -78,9 +78,10 @@ class FlightSearch:
                 scenario=self._scenario,
                 num_waypoints=count,
                 iterations=ITERATIONS,
-                source="smooth",
+                source="guided",
                 **self._controller.env_options(),
             )
+            self._keep_ways(self._environments[count])
         env = self._environments[count]
         self._controller.reset(1, self._seed)
         observation, info = env.reset(seed=self._seed)
@@ -95,6 +96,14 @@ class FlightSearch:
             if ended or iteration & (iteration - 1) == 0:
                 self._keep_best(env)
         self._keep_best(env)
+
+    def _keep_ways(self, env: SwarmEnv) -> None:
+        """Keep the flights over a coarse graph, beside which the members of a swarm begin."""
+        problem = env.simulation.problems[0]
+        assert isinstance(problem, TerrainProblem)
+        assert problem.ways is not None
+        for way in problem.points(problem.ways):
+            self._keep(way, "coarse graph")
 
     def _keep_best(self, env: SwarmEnv) -> None:
         problem = env.simulation.problems[0]
