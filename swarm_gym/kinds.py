@@ -1,5 +1,7 @@
 """Kinds of scenarios: which problems the settings make of them, and which options have an effect there."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from swarm_gym.checks import require_integer, require_number
@@ -9,6 +11,7 @@ from swarm_gym.problem import (
     FunctionProblem,
     GridProblem,
     Problem,
+    TerrainProblem,
     WalkProblem,
     problem_of_function,
 )
@@ -21,6 +24,7 @@ from swarm_gym.scenarios import (
     OneMaxScenario,
     Scenario,
     StaticScenario,
+    TerrainScenario,
     rasterised,
 )
 
@@ -52,6 +56,10 @@ class ProblemOptions(Protocol):
     def cell_size(self) -> float:
         """Side of the cells that analytic maps are converted to."""
 
+    @property
+    def cost(self) -> str:
+        """Name of the cost of flights over terrain."""
+
 
 def problem_of(scenario: StaticScenario, settings: ProblemOptions) -> Problem:
     """Return the problem that the settings make of a scenario, whose kind has their encoding."""
@@ -59,6 +67,8 @@ def problem_of(scenario: StaticScenario, settings: ProblemOptions) -> Problem:
         return problem_of_any_function(scenario)
     if isinstance(scenario, GridScenario):
         return _grid_problem(scenario, settings)
+    if isinstance(scenario, TerrainScenario):
+        return TerrainProblem(scenario, settings.encoding, settings.num_waypoints, settings.cost)
     return _analytic_problem(scenario, settings)
 
 
@@ -91,12 +101,14 @@ class Kind(NamedTuple):
         options: options that have an effect on such scenarios, by encoding.
         sourced: encodings whose decision vectors are whole paths, which can come from every source.
         calls_python: whether Python code evaluates decision vectors, which no compiled optimizer can call.
+        defaults: options whose defaults differ on such scenarios.
     """
 
     name: str
     options: dict[str, tuple[str, ...]]
     sourced: tuple[str, ...] = ()
     calls_python: bool = False
+    defaults: Mapping[str, object] = MappingProxyType({})
 
 
 KINDS: dict[type, Kind] = {
@@ -116,6 +128,15 @@ KINDS: dict[type, Kind] = {
             "walk": ("encoding", "penalty", "clearance", "final_repair"),
         },
         sourced=("waypoints", "bezier"),
+    ),
+    TerrainScenario: Kind(
+        "flights over terrain",
+        {
+            "waypoints": ("encoding", "num_waypoints", "cost"),
+            "spherical": ("encoding", "num_waypoints", "cost"),
+        },
+        sourced=("waypoints", "spherical"),
+        defaults=MappingProxyType({"num_waypoints": 10}),
     ),
     # Before the test functions, which they are subclasses of: their problem tables are others.
     BbobScenario: Kind("BBOB functions", {"waypoints": ()}),

@@ -1,5 +1,6 @@
 """Plan a path on a map: `python -m swarm_gym.plan --map warehouse.yaml --start 0,0 --goal 8,3`.
 
+Over an elevation model, such as `--map dem.tif`, it plans a flight, see `swarm_gym.planning.flights`.
 The function is `swarm_gym.plan`, see `swarm_gym.planning`. Since this module has the same name, it can be
 called like the function.
 """
@@ -15,11 +16,12 @@ from typing import Any
 
 from swarm_gym.command import NumberParser, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
-from swarm_gym.planning.geographic import COORDINATES
+from swarm_gym.planning.flights import command_line
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
+from swarm_gym.scenarios.formats.geographic import COORDINATES
 
 INVALID, NO_PATH = 2, 3  # exit statuses
 
@@ -29,14 +31,20 @@ EXAMPLES = """examples:
   python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
   python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,9,5 --output path.csv
 
+Over terrain (.tif, .asc, .hgt, or a scenario such as terrain:test:0) it plans a flight, with other options:
+  python -m swarm_gym.plan --map dem.tif --help
+
 exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found
 """
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Plan a path, print what is known of it and write it; return the exit status."""
+    """Plan a path or a flight, print what is known of it and write it; return the exit status."""
+    given = sys.argv[1:] if arguments is None else arguments
+    if command_line.flies(given):
+        return command_line.main(given)
     parser = _parser()
-    options = parser.parse_args(arguments)
+    options = parser.parse_args(given)
     try:
         require_formats(options.output)
         evaluations, seconds = _budget(parser, options.budget)

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,14 +26,18 @@ class Settings:
         scenario: name of a scenario, a scenario, or a list of these; a name with a range of numbers stands
             for all of them. Each episode draws one of the scenarios by its seed. All must be of one kind.
         encoding: how decision vectors are read: "waypoints"; on grid maps also "bezier"; or "walk", as points
-            that a walk over free cells has reached. The default is the first of `Optimizer.encodings`. Test
-            functions take vectors as they are.
-        num_waypoints: n, number of waypoints of a path, at least 1.
+            that a walk over free cells has reached; over terrain also "spherical", as steps with a climb and
+            a heading. The default is the first of `Optimizer.encodings`. Test functions take vectors as they
+            are.
+        num_waypoints: n, number of waypoints of a path, at least 1; over terrain at least 4, and 10 where
+            nothing else is asked for.
         num_control_points: number of control points of a Bezier curve, without start and target, at least 1.
         length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
         penalty: lambda, at least 0: the fitness that each of about 1000 equal parts of a path costs on grid
             maps if it is blocked, or each cell's length of the blocked part of a walk.
         cell_size: side of the cells that analytic maps are converted to for walks.
+        cost: cost of flights over terrain: "documented", measured exactly, or "metabox", as published code
+            computes it, see `swarm_gym.problem.terrain.cost`.
         clearance: distance that paths keep from obstacles, in map units, at least 0: the obstacles of all
             maps grow by it, for cost, repair, exact checks and optima alike, see
             `swarm_gym.scenarios.growing`. Not for robots that drive.
@@ -76,6 +80,7 @@ class Settings:
     length_weight: float = 0.3
     penalty: float = 500.0
     cell_size: float = 2.0
+    cost: str = "documented"
     clearance: float = 0.0
     iterations: int = 100
     initial_population_size: int = 80
@@ -137,6 +142,8 @@ class Settings:
         knobs: dict[str, Any] = {name: options[name] for name in options if name in optimizer.parameters}
         optimizer.parameter_values(knobs)
         settings = cls(**values, knobs=knobs)
+        defaults: dict[str, Any] = {k: v for k, v in settings.kind.defaults.items() if k not in values}
+        settings = replace(settings, **defaults) if defaults else settings
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings.refuse_unused(options)
         settings._refuse_compiled(optimizer)

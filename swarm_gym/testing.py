@@ -22,7 +22,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.registration import environment_id
 from swarm_gym.rollout import run_episodes
-from swarm_gym.scenarios import DynamicScenario, FunctionScenario, make_scenario
+from swarm_gym.scenarios import DynamicScenario, FunctionScenario, TerrainScenario, make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
 
 NUM_SWARMS, ITERATIONS, SEED, BUDGET = 5, 12, 7, 70
@@ -108,7 +108,7 @@ def check_scenario(name: str, optimizer: str = "firefly") -> None:
         make_scenario(name) == scenario,
         f"scenario {name}: two calls give different scenarios, so that no run can be repeated",
     )
-    if not isinstance(scenario, FunctionScenario | DynamicScenario):
+    if not isinstance(scenario, FunctionScenario | DynamicScenario | TerrainScenario):
         shortest_path(scenario)
     env = SwarmEnv(optimizer, scenario=name, iterations=ITERATIONS)
     _, info = env.reset(seed=SEED)

@@ -2,7 +2,8 @@
 
 Two ways differ if something blocked lies between them. The first way is the path of A*, pulled tight. The
 others are such paths when a block lies somewhere on a way that is known, a disc of drawn place and size. Maps
-of circles and polygons are converted to cells before.
+of circles and polygons are converted to cells before. Over terrain, ways are flights over a coarse graph, see
+`swarm_gym.reference.flight_ways`.
 """
 
 from dataclasses import replace
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
+from swarm_gym.problem import AnalyticProblem, GridProblem, Problem, TerrainProblem
 from swarm_gym.problem.geometry.curves import evenly_spaced
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_grid_path, smooth
@@ -32,6 +33,11 @@ def with_ways(problem: Problem) -> Problem:
 
     Where there are fewer than `NUM_WAYS`, they repeat, so that all problems have as many.
     """
+    if isinstance(problem, TerrainProblem):
+        from swarm_gym.reference.flight_ways import flight_ways  # loads what environments else do without
+
+        vectors = flight_ways(problem, NUM_WAYS)
+        return replace(problem, ways=vectors[np.arange(NUM_WAYS) % len(vectors)])
     assert isinstance(problem, AnalyticProblem | GridProblem)
     ways = planned_ways(problem.scenario)
     vectors = np.concatenate([problem.along(way[None]) for way in ways])

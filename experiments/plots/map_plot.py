@@ -16,7 +16,16 @@ from matplotlib.ticker import MaxNLocator
 from experiments.plots.style import BLUE, RED, Style
 from experiments.runs.run import Floats, Run, Snapshot
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import Circle, FunctionScenario, GridMap, Obstacle, Scenario, StaticScenario
+from swarm_gym.scenarios import (
+    Circle,
+    FunctionScenario,
+    GridMap,
+    Obstacle,
+    Scenario,
+    StaticScenario,
+    TerrainScenario,
+    hill_shade,
+)
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
 INK = "#222222"
@@ -40,11 +49,15 @@ def draw_map(axes: Axes, scenario: StaticScenario) -> None:
     x_min, y_min, x_max, y_max = scenario.view
     if isinstance(scenario, Scenario):
         draw_obstacles(axes, scenario.obstacles)
+    elif isinstance(scenario, TerrainScenario):
+        extent = (x_min, x_max, y_min, y_max)
+        axes.imshow(hill_shade(scenario), cmap="gray", vmin=-2.0, vmax=1.1, origin="lower", extent=extent)
+        draw_obstacles(axes, [Circle(x, y, radius) for x, y, _, radius in scenario.threats.tolist()])
     else:
         _draw_cells(axes, scenario.map)
     heights = (y_min, y_max) if scenario.y_up else (y_max, y_min)
     axes.set(xlim=(x_min, x_max), ylim=heights, aspect="equal")
-    for letter, marker, point in (("S", "o", scenario.start), ("T", "*", scenario.target)):
+    for letter, marker, point in (("S", "o", scenario.start[:2]), ("T", "*", scenario.target)):
         size = 6 if marker == "o" else 10
         axes.plot(
             *point, marker, color=INK, markersize=size, markeredgecolor="white",

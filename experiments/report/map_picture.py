@@ -10,7 +10,15 @@ from matplotlib import image
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import Circle, FunctionScenario, GridScenario, Obstacle, Scenario, StaticScenario
+from swarm_gym.scenarios import (
+    Circle,
+    FunctionScenario,
+    GridScenario,
+    Obstacle,
+    Scenario,
+    StaticScenario,
+    TerrainScenario,
+)
 
 Extent = tuple[float, float, float, float]
 
@@ -33,17 +41,19 @@ def describe_map(scenario: StaticScenario) -> dict[str, Any]:
         optimum = [*scenario.optimum[:2], 0.0][:2]
         return {**found, "target": _rounded(optimum)}
     found |= {
-        "start": list(scenario.start),
+        "start": list(scenario.start[:2]),
         "target": list(scenario.target),
         "yUp": scenario.y_up,
     }
     if isinstance(scenario, Scenario):
         found |= _shapes(scenario.obstacles)
+    elif isinstance(scenario, TerrainScenario):
+        found |= _shapes(tuple(Circle(x, y, radius) for x, y, _, radius in scenario.threats.tolist()))
     else:
         found["picture"] = _picture(scenario)
     try:
         length, points = shortest_path(scenario)
-    except ScenarioError:  # obstacles separate start and target
+    except ScenarioError:  # obstacles separate start and target, or there is no planner
         return found
     return {**found, "shortest": [_rounded(point) for point in points], "shortestLength": round(length, 2)}
 

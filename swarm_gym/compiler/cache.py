@@ -46,6 +46,7 @@ KERNEL_SOURCES = (
     "reference/disc_tangents.py",
     "reference/free_arcs.py",
     "reference/grid_sight.py",
+    "reference/layered_flights.py",
     "reference/onemax/adaptive.py",
     "reference/onemax/iteration.py",
     "reference/onemax/runtimes.py",

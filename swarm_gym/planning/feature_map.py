@@ -8,7 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.planning.geographic import (
+from swarm_gym.planning.geojson import Shape, read_features
+from swarm_gym.planning.shapes import End, extent_of, obstacles_of, thinnest
+from swarm_gym.planning.workspace import RobotWorkspace, confined
+from swarm_gym.scenarios import Point, Scenario
+from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
     PLANE,
     Projection,
@@ -16,10 +20,6 @@ from swarm_gym.planning.geographic import (
     named_by,
     projection_for,
 )
-from swarm_gym.planning.geojson import Shape, read_features
-from swarm_gym.planning.shapes import End, extent_of, obstacles_of, thinnest
-from swarm_gym.planning.workspace import RobotWorkspace, confined
-from swarm_gym.scenarios import Point, Scenario
 from swarm_gym.scenarios.obstacles import require_point
 
 Floats = NDArray[np.float64]

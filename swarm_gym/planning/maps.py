@@ -7,12 +7,12 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.feature_map import read_feature_map
-from swarm_gym.planning.geographic import GEOGRAPHIC, Projection
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import End, thinnest
 from swarm_gym.planning.workspace import RobotWorkspace, confined
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, Projection
 from swarm_gym.scenarios.formats.moving_ai import read_map
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
 

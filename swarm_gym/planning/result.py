@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.planning.geographic import Projection
 from swarm_gym.scenarios import MapScenario
+from swarm_gym.scenarios.formats.geographic import Projection
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.frame import Frame
-from swarm_gym.planning.geographic import Projection, require_coordinates
 from swarm_gym.planning.maps import read_any_map
 from swarm_gym.planning.workspace import read_workspace
 from swarm_gym.problem.geometry.clearance import clearance_of
@@ -22,6 +21,7 @@ from swarm_gym.scenarios import (
     Scenario,
     grown,
 )
+from swarm_gym.scenarios.formats.geographic import Projection, require_coordinates
 from swarm_gym.scenarios.growing_grids import require_room
 
 Floats = NDArray[np.float64]

@@ -7,6 +7,7 @@ from swarm_gym.problem.grid.problem import GridProblem
 from swarm_gym.problem.map_problem import MapProblem
 from swarm_gym.problem.onemax.problem import OneMaxProblem
 from swarm_gym.problem.problem import Problem
+from swarm_gym.problem.terrain.problem import TerrainProblem
 from swarm_gym.problem.walk.problem import WalkProblem
 from swarm_gym.scenarios import BbobScenario, FunctionScenario, OneMaxScenario
 
@@ -18,6 +19,7 @@ __all__ = [
     "MapProblem",
     "OneMaxProblem",
     "Problem",
+    "TerrainProblem",
     "WalkProblem",
     "problem_of_function",
 ]

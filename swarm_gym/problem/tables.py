@@ -28,14 +28,19 @@ from swarm_gym.problem.grid import table as grid_table
 from swarm_gym.problem.grid.table import GridTable, GridTables
 from swarm_gym.problem.onemax import table as onemax_table
 from swarm_gym.problem.onemax.table import OneMaxTable, OneMaxTables
+from swarm_gym.problem.terrain import bends as terrain_bends
+from swarm_gym.problem.terrain import cost as terrain_cost
+from swarm_gym.problem.terrain import repair as terrain_repair
+from swarm_gym.problem.terrain import table as terrain_table
+from swarm_gym.problem.terrain.table import TerrainTable, TerrainTables
 from swarm_gym.problem.walk import table as walk_table
 from swarm_gym.problem.walk.table import WalkTable, WalkTables
 
 Floats = NDArray[np.float64]
 
-Table = WaypointTable | GridTable | FunctionTable | BbobTable | OneMaxTable | WalkTable
+Table = WaypointTable | GridTable | FunctionTable | BbobTable | OneMaxTable | WalkTable | TerrainTable
 # Of stacked problems.
-Tables = WaypointTables | GridTables | FunctionTables | BbobTables | OneMaxTables | WalkTables
+Tables = WaypointTables | GridTables | FunctionTables | BbobTables | OneMaxTables | WalkTables | TerrainTables
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
 evaluate: Callable[[Table, Floats], tuple[float, float]] = kernel_by_class(
@@ -46,6 +51,7 @@ evaluate: Callable[[Table, Floats], tuple[float, float]] = kernel_by_class(
         BbobTable: bbob_table.evaluate,
         OneMaxTable: onemax_table.evaluate,
         WalkTable: walk_table.evaluate,
+        TerrainTable: terrain_cost.evaluate,
     }
 )
 
@@ -58,6 +64,7 @@ repair: Callable[[Table, Floats, float], None] = kernel_by_class(
         BbobTable: bbob_table.repair,
         OneMaxTable: onemax_table.repair,
         WalkTable: walk_table.repair,
+        TerrainTable: terrain_repair.repair,
     }
 )
 
@@ -70,6 +77,7 @@ draw_bend: Callable[[Table, float, int, Floats, Floats], None] = kernel_by_class
         BbobTable: bends.no_bend,
         OneMaxTable: bends.no_bend,
         WalkTable: bends.no_bend,
+        TerrainTable: terrain_bends.draw_flight,
     }
 )
 
@@ -82,12 +90,13 @@ select: Callable[[Tables, int], Table] = kernel_by_class(
         BbobTable: bbob_table.select,
         OneMaxTable: onemax_table.select,
         WalkTable: walk_table.select,
+        TerrainTable: terrain_table.select,
     }
 )
 
 
 @kernel
-def _root_of_dimension(table: WaypointTable | GridTable) -> float:
+def _root_of_dimension(table: WaypointTable | GridTable | TerrainTable) -> float:
     return math.sqrt(float(table.dimension))
 
 
@@ -102,6 +111,7 @@ unit_length: Callable[[Table], float] = kernel_by_class(
     {
         WaypointTable: _root_of_dimension,
         GridTable: _root_of_dimension,
+        TerrainTable: _root_of_dimension,
         FunctionTable: _one,
         BbobTable: _one,
     }

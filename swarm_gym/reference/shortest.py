@@ -17,6 +17,7 @@ from swarm_gym.scenarios import (
     GridMap,
     GridScenario,
     Scenario,
+    TerrainScenario,
 )
 
 Floats = NDArray[np.float64]
@@ -39,6 +40,11 @@ def shortest_path(scenario: AnyScenario) -> tuple[float, Floats]:
         raise ScenarioError(f"scenario {scenario.name!r} is a test function: there is no path")
     if isinstance(scenario, DynamicScenario):
         raise ScenarioError(f"scenario {scenario.name!r} is dynamic: a shortest path is one of its `worlds`'")
+    if isinstance(scenario, TerrainScenario):
+        raise ScenarioError(
+            f"scenario {scenario.name!r} is a flight over terrain, for which no shortest path is computed; a "
+            "swarm searches for a flight of least cost"
+        )
     if isinstance(scenario, Scenario):
         return visibility.shortest_path(scenario)
     grid = scenario.map

@@ -14,6 +14,7 @@ from swarm_gym.rendering.pen import (
     MEDIUM,
     OBSTACLE,
     PAPER,
+    SHADE,
     START,
     TARGET,
     Colour,
@@ -21,18 +22,26 @@ from swarm_gym.rendering.pen import (
 )
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
-from swarm_gym.scenarios import Circle, MapScenario, Obstacle, Point, Scenario
+from swarm_gym.scenarios import (
+    Circle,
+    MapScenario,
+    Obstacle,
+    Point,
+    Scenario,
+    TerrainScenario,
+    hill_shade,
+)
 
 Floats = NDArray[np.float64]
 Draw = Callable[[Colour, Floats, float], None]
 
 
 class MapView(View):
-    """The map of a scenario, with start and target."""
+    """The map of a scenario, with start and target; flights over terrain are seen from above."""
 
-    scenario: MapScenario
+    scenario: MapScenario | TerrainScenario
 
-    def __init__(self, scenario: MapScenario, pen: Pen):
+    def __init__(self, scenario: MapScenario | TerrainScenario, pen: Pen):
         super().__init__(scenario, pen, scenario.view, scenario.y_up)
 
     def draw_swarm(self, pen: Pen, scene: Scene) -> None:
@@ -48,7 +57,7 @@ class MapView(View):
         if np.isfinite(scene.best_fitness):
             pen.lines(BEST, self.pixels(scene.best_path[None]), 2.8)
         pen.surface.set_clip(None)
-        robot = scene.trajectory[-1] if is_away else self.scenario.start
+        robot = scene.trajectory[-1] if is_away else self.scenario.start[:2]
         self._draw_end(pen, "robot" if is_away else "start", robot, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
 
@@ -69,6 +78,8 @@ class MapView(View):
         if isinstance(self.scenario, Scenario):
             for obstacle in self.scenario.obstacles:
                 self._draw_obstacle(pen, obstacle)
+        elif isinstance(self.scenario, TerrainScenario):
+            self._draw_terrain(pen, self.scenario)
         else:
             self._draw_cells(pen, self.scenario.map.blocked[self.scenario.window])
 
@@ -84,6 +95,15 @@ class MapView(View):
         pixels = np.where(blocked.T[..., None], OBSTACLE, MAP).astype(np.uint8)
         cells = pen.pygame.surfarray.make_surface(pixels)
         pen.surface.blit(pen.pygame.transform.scale(cells, self.border.size), self.border)
+
+    def _draw_terrain(self, pen: Pen, scenario: TerrainScenario) -> None:
+        """Draw the ground as hill shade, with y upwards, and the threats on it."""
+        bright = hill_shade(scenario)[::-1].T[..., None]
+        pixels = np.array(SHADE) + (np.array(MAP) - SHADE) * bright
+        ground = pen.pygame.surfarray.make_surface(pixels.astype(np.uint8))
+        pen.surface.blit(pen.pygame.transform.smoothscale(ground, self.border.size), self.border)
+        for x, y, _, radius in scenario.threats.tolist():
+            pen.draw.circle(pen.surface, OBSTACLE, self.pixels(np.array([x, y])), radius * self._scale)
 
     def _draw_end(self, pen: Pen, name: str, point: Point | Floats, colour: Colour, corners: int) -> None:
         """Draw a mark at a point of the map, and its name in a box beside it."""

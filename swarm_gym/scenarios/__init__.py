@@ -3,7 +3,8 @@
 A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
 `GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function;
 `BbobScenario` is one of the benchmark BBOB, `MetaBoxScenario` the same as MetaBox has it, `IohScenario` one
-that the package `ioh` keeps, and `OneMaxScenario` counts the ones of a bit string.
+that the package `ioh` keeps, and `OneMaxScenario` counts the ones of a bit string. `TerrainScenario` is a
+flight over a height map.
 The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
 is a fixed map and the iteration after which it replaces the one before.
 
@@ -41,6 +42,8 @@ from swarm_gym.scenarios.registry import (
     sample_names,
 )
 from swarm_gym.scenarios.scenario import Scenario
+from swarm_gym.scenarios.terrain.scenario import TerrainScenario
+from swarm_gym.scenarios.terrain.shade import hill_shade
 
 __all__ = [
     "FAMILIES",
@@ -66,10 +69,12 @@ __all__ = [
     "Polygon",
     "Scenario",
     "StaticScenario",
+    "TerrainScenario",
     "World",
     "drive_of",
     "expand_name",
     "grown",
+    "hill_shade",
     "make_scenario",
     "make_scenarios",
     "rasterised",

@@ -22,8 +22,8 @@ class Family(NamedTuple):
 
     Attributes:
         usage: form of the names, for messages.
-        samples: some names, one of each form; empty if the scenarios need files or an optimizer of their own,
-            or are functions that belong to another library.
+        samples: some names, one of each form; empty if the scenarios need files, seconds or an optimizer of
+            their own, or are functions that belong to another library.
         expand: function that returns the names of the single scenarios that a name stands for, and raises
             `ScenarioError` for a name of another form.
         make: function that returns the single scenario of a name.

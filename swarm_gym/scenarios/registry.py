@@ -23,6 +23,8 @@ from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
 from swarm_gym.scenarios.scenario import Scenario
+from swarm_gym.scenarios.terrain import file_family, generated, uav56
+from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
     "case1": spsfa.case1,
@@ -147,6 +149,9 @@ FAMILIES: dict[str, Family] = {
     metabox.NAME: metabox.FAMILY,
     ioh_scenario.NAME: ioh_scenario.FAMILY,
     onemax.NAME: onemax.FAMILY,
+    generated.NAME: generated.FAMILY,
+    file_family.NAME: file_family.FAMILY,
+    uav56.NAME: uav56.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.make_family(expand_name, make_scenario),
@@ -160,5 +165,6 @@ _OTHERS: dict[type, str] = {
     metabox.MetaBoxScenario: "a test function",
     ioh_scenario.IohScenario: "a test function",
     onemax.OneMaxScenario: "a bit string",
+    TerrainScenario: "a flight over terrain",
     DynamicScenario: "a map that changes; choose one of its `worlds`",
 }

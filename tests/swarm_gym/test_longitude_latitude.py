@@ -11,7 +11,10 @@ from helpers.features import collection, feature, read, written
 from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
-from swarm_gym.planning.geographic import (
+from swarm_gym.planning.previous import require_previous
+from swarm_gym.planning.tasks import read_task
+from swarm_gym.planning.writing import as_ros_path
+from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
     PLANE,
     WIDEST,
@@ -20,9 +23,6 @@ from swarm_gym.planning.geographic import (
     named_by,
     projection_for,
 )
-from swarm_gym.planning.previous import require_previous
-from swarm_gym.planning.tasks import read_task
-from swarm_gym.planning.writing import as_ros_path
 
 pyproj = pytest.importorskip("pyproj", reason="needs the extra `maps`")
 GEOD = pyproj.Geod(ellps="WGS84")
@@ -136,7 +136,7 @@ def test_other_names_of_coordinates_are_refused_or_warned_about():
 
 
 def test_all_geographic_codes_are_longitudes_and_latitudes_by_pyproj():
-    from swarm_gym.planning.geographic import GEOGRAPHIC_CODES
+    from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC_CODES
 
     for code in GEOGRAPHIC_CODES:
         assert pyproj.CRS.from_epsg(int(code)).is_geographic

@@ -21,9 +21,9 @@ from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, rotated_shapes
 from swarm_gym.problem.geometry.bends import modes_of_components
-from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
+from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, offset_bounds, spacing_of
 from swarm_gym.problem.padding import Floats, Integers, Real, Whole, columns, pad
-from swarm_gym.scenarios import MapScenario, Scenario
+from swarm_gym.scenarios import Scenario
 
 # Rows of a tile of circles. A share is a part of the segment, from its left end on. The chords are half the
 # chords of the circle at both ends of its overlap with the segment. A sine is the rise of a segment over its
@@ -118,7 +118,8 @@ def tabulate(
     """
     spacing = spacing_of(scenario, num_waypoints)
     shapes = rotated_shapes(scenario)
-    lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1), scenario.workspace)
+    axes, x = RotatedAxes.of(scenario), spacing * np.arange(1.0, num_waypoints + 1)
+    lower, upper = offset_bounds(axes, x, scenario.workspace)
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
     # Beyond the path a length is not 0 but 1.5e-154, which is lost in the sum, but can be divided by.
     squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
@@ -142,26 +143,6 @@ def tabulate(
         num_corners,
         rows,
     )
-
-
-def offset_bounds(
-    scenario: MapScenario, x: Floats, workspace: tuple[float, float, float, float]
-) -> tuple[Floats, Floats]:
-    """Return the least and the largest offset, (n,) each, of waypoints at `x` that is inside the workspace.
-
-    The workspace is (x_min, y_min, x_max, y_max). Offset 0 is always allowed.
-    """
-    axes = RotatedAxes.of(scenario)
-    x_min, y_min, x_max, y_max = workspace
-    lower, upper = np.full(len(x), -np.inf), np.full(len(x), np.inf)
-    foot = axes.to_map(x, np.zeros_like(x))
-    # Across the start-target line, the map coordinates change with y' at these rates.
-    for axis, rate, low, high in ((0, -axes.sine, x_min, x_max), (1, axes.cosine, y_min, y_max)):
-        if rate != 0.0:
-            ends = np.stack([(low - foot[:, axis]) / rate, (high - foot[:, axis]) / rate])
-            lower = np.maximum(lower, ends.min(axis=0))
-            upper = np.minimum(upper, ends.max(axis=0))
-    return np.minimum(lower, 0.0), np.maximum(upper, 0.0)
 
 
 def _initial_range(

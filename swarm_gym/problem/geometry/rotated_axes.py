@@ -82,3 +82,22 @@ def resampled(paths: Floats, scenario: MapScenario, num_waypoints: int) -> Float
     rows = np.arange(len(paths))[:, None]
     x0, x1, y0, y1 = along[rows, last], along[rows, last + 1], beside[rows, last], beside[rows, last + 1]
     return y0 + (y1 - y0) * ((x - x0) / (x1 - x0))
+
+
+def offset_bounds(
+    axes: RotatedAxes, x: Floats, workspace: tuple[float, float, float, float]
+) -> tuple[Floats, Floats]:
+    """Return the least and the largest offset, (n,) each, of waypoints at `x` that is inside the workspace.
+
+    The workspace is (x_min, y_min, x_max, y_max). Offset 0 is always allowed.
+    """
+    x_min, y_min, x_max, y_max = workspace
+    lower, upper = np.full(len(x), -np.inf), np.full(len(x), np.inf)
+    foot = axes.to_map(x, np.zeros_like(x))
+    # Across the start-target line, the map coordinates change with y' at these rates.
+    for axis, rate, low, high in ((0, -axes.sine, x_min, x_max), (1, axes.cosine, y_min, y_max)):
+        if rate != 0.0:
+            ends = np.stack([(low - foot[:, axis]) / rate, (high - foot[:, axis]) / rate])
+            lower = np.maximum(lower, ends.min(axis=0))
+            upper = np.minimum(upper, ends.max(axis=0))
+    return np.minimum(lower, 0.0), np.maximum(upper, 0.0)

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarm_gym.problem.analytic.table import offset_bounds
 from swarm_gym.problem.geometry.curves import bernstein
-from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
+from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, offset_bounds, spacing_of
 from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
@@ -96,7 +95,7 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     x_min, y_min, x_max, y_max = _centres(scenario)
     axes = RotatedAxes.of(scenario)
     x = spacing_of(scenario, free) * np.arange(1.0, free + 1)
-    least, largest = offset_bounds(scenario, x, _centres(scenario))
+    least, largest = offset_bounds(axes, x, _centres(scenario))
     return Curve(
         base,
         gain,
@@ -125,7 +124,7 @@ def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
     gain[1:-1] = axes.across
     source = np.zeros((num_waypoints + 2, 2), dtype=np.int64)
     source[1:-1] = np.arange(num_waypoints)[:, None]
-    lower, upper = offset_bounds(scenario, x[1:-1], _centres(scenario))
+    lower, upper = offset_bounds(axes, x[1:-1], _centres(scenario))
     # Each segment has whole blocks of eight samples; the target is the last sample.
     per_segment = 8 * math.ceil(WAYPOINT_SAMPLES / (8 * (num_waypoints + 1)))
     share = np.tile(np.arange(per_segment) / per_segment, num_waypoints + 1)

@@ -13,9 +13,10 @@ from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.raster import cells_of
 from swarm_gym.scenarios.scenario import Scenario
+from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 MapScenario = Scenario | GridScenario
-StaticScenario = MapScenario | FunctionScenario
+StaticScenario = MapScenario | FunctionScenario | TerrainScenario
 
 
 class World(NamedTuple):

@@ -6,6 +6,7 @@ from decimal import Context, Decimal, localcontext
 import numpy as np
 import pytest
 
+from helpers.compiled import compiled
 from helpers.loops import looped
 from swarm_gym.compiler import elementary
 
@@ -63,6 +64,40 @@ def test_the_hyperbolic_tangent_is_precise_to_twelve_digits_and_odd():
         true = [hyperbolic_tangent(Decimal(x)) for x in values.tolist()]
     np.testing.assert_allclose(found, [float(x) for x in true], rtol=1e-12)
     np.testing.assert_array_equal(elementary.tanh(-values), -found)
+
+
+def arc_tangent(tangent):
+    """Return the arc tangent of a Decimal by Euler's series."""
+    if abs(tangent) > 1:
+        return TWO_PI / (4 if tangent > 0 else -4) - arc_tangent(1 / tangent)
+    square = tangent * tangent
+    found, term, k = Decimal(0), tangent / (1 + square), 1
+    while abs(term) > Decimal(10) ** -DIGITS:
+        found += term
+        term, k = term * (2 * k * square) / ((2 * k + 1) * (1 + square)), k + 1
+    return found
+
+
+def test_the_arc_tangent_knows_all_quadrants_to_units_in_the_last_place():
+    places = np.random.default_rng(4).normal(size=(300, 2)) * spread(1e-3, 1e3, 600).reshape(300, 2)
+    with localcontext(Context(prec=DIGITS + 10)):
+        for y, x in [*places.tolist(), (1.0, 1.0), (-3.0, 3.0), (1e-9, 1.0), (2.0, 1e-9)]:
+            true = arc_tangent(Decimal(y) / Decimal(x))
+            if x < 0:
+                true += TWO_PI / (2 if y >= 0 else -2)
+            found = compiled(elementary.arctangent)(y, x)
+            assert abs(Decimal(found) - true) <= Decimal(2.0 * math.ulp(float(true))), (y, x)
+    ends = [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 0.0)]
+    assert [elementary.arctangent(*end) for end in ends] == [math.atan2(*end) for end in ends]
+
+
+def test_sine_and_cosine_together_are_precise_to_units_in_the_last_place():
+    both = compiled(elementary.sine_and_cosine)
+    with localcontext(Context(prec=DIGITS + 10)):
+        for angle in ANGLES.tolist():
+            exact = Decimal(angle)
+            for true, found in zip((cosine(exact - TWO_PI / 4), cosine(exact)), both(angle), strict=True):
+                assert abs(Decimal(found) - true) <= Decimal(1.5 * math.ulp(float(true))), angle
 
 
 @looped(

@@ -28,6 +28,16 @@ FORMS = {
     ),
     "ioh": ("ioh:bbob-8-5-1", "ioh:sbox-8-5-1-3", "ioh:cec2022-1001-10-1"),
     "onemax": ("onemax:100", "onemax:100-103", "onemax:500-start:400"),
+    "terrain": (
+        "terrain:train:0", "terrain:train-few:0-3", "terrain:train-many:0", "terrain:validation:0",
+        "terrain:validation-few:0", "terrain:validation-many:0", "terrain:test:0-55",
+    ),
+    "terrain-file": (
+        "terrain-file:a.asc?start=0,0,150&goal=9,-9.5,120",
+        "terrain-file:N46E007.hgt?start=7.1,46.2,150&goal=7.2,46.3,150&threats=t.geojson&altitude=90-200.5",
+        "terrain-file:a.tif?start=0,0,150&goal=9,9,150&turn=30&climb=20&coordinates=longitude-latitude",
+    ),
+    "uav56": ("uav56:0-55",),
     "block": ("block:500",),
     "open": ("open:500",),
     "routes": ("routes:turtlebot3", "routes:playground-A-C"),

@@ -54,6 +54,57 @@ class Projection:
         return np.stack(_proj(self)(x, y, inverse=True), axis=-1)
 
 
+@dataclass(frozen=True)
+class PlaneSystem:
+    """A coordinate reference system in metres, such as UTM, whose coordinates are those of the map.
+
+    Attributes:
+        system: text that pyproj reads.
+    """
+
+    system: str
+
+    def to_metres(self, points: ArrayLike) -> Floats:
+        """Return points (k, 2), longitude and latitude of WGS 84, in the coordinates of the system."""
+        longitudes, latitudes = np.asarray(points, dtype=np.float64).reshape(-1, 2).T
+        return np.stack(_transformer(self.system).transform(longitudes, latitudes), axis=-1)
+
+    def to_degrees(self, points: ArrayLike) -> Floats:
+        """Return points (k, 2) of the system as longitude and latitude of WGS 84."""
+        x, y = np.asarray(points, dtype=np.float64).reshape(-1, 2).T
+        return np.stack(_transformer(self.system).transform(x, y, direction="INVERSE"), axis=-1)
+
+
+def kind_of_system(where: str, system: str) -> str:
+    """Return the kind of the coordinates of a reference system: degrees, or metres in a plane.
+
+    Args:
+        where: name of the file, for messages.
+        system: text that pyproj reads.
+
+    Raises:
+        ScenarioError: if the text is no such system, or its unit is another one.
+        MissingExtraError: if pyproj is missing.
+    """
+    try:
+        import pyproj
+    except ImportError as error:
+        raise MissingExtraError(f"{where}: a coordinate reference system", "pyproj", "terrain") from error
+    try:
+        found = pyproj.CRS.from_user_input(system)
+    except pyproj.exceptions.CRSError as error:
+        raise ScenarioError(f"{where}: unknown coordinate reference system {shown(system)}") from error
+    if found.is_geographic:
+        return GEOGRAPHIC
+    units = {axis.unit_name for axis in found.axis_info[:2]}
+    if not found.is_projected or any(axis.unit_conversion_factor != 1.0 for axis in found.axis_info[:2]):
+        raise ScenarioError(
+            f"{where}: expected coordinates in degrees or metres, the reference system {shown(found.name)} "
+            f"has {', '.join(sorted(units)) or 'none'}; warp the file first, for example to UTM"
+        )
+    return PLANE
+
+
 def projection_for(where: str, points: Floats) -> Projection:
     """Return a projection around the middle of points.
 
@@ -141,6 +192,13 @@ def _proj(projection: Projection) -> Any:
     import pyproj
 
     return pyproj.Proj(proj="aeqd", lon_0=projection.longitude, lat_0=projection.latitude, ellps="WGS84")
+
+
+@lru_cache(maxsize=16)
+def _transformer(system: str) -> Any:
+    import pyproj
+
+    return pyproj.Transformer.from_crs("EPSG:4326", system, always_xy=True)
 
 
 def _are_fine(numbers: Sequence[float]) -> bool:

@@ -1,0 +1,96 @@
+"""A picture of a flight: relief, threats and flight from above, and below it the profile of heights."""
+
+import io
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import MissingExtraError
+from swarm_gym.planning.flights.ground_track import ground_track
+from swarm_gym.planning.flights.result import Flight
+from swarm_gym.scenarios import TerrainScenario
+from swarm_gym.scenarios.terrain.scenario import RADIUS, X, Y
+from swarm_gym.scenarios.terrain.shade import hill_shade
+
+Floats = NDArray[np.float64]
+
+WIDTH, PROFILE = 900, 260  # of the picture, and height of the profile, in pixels
+LEFT, MARGIN = 64, 14  # of the profile
+FINER = 2  # a picture is drawn so many times larger and then reduced, so that edges are smooth
+PAPER, INK, FLIGHT, THREAT, START, GOAL = "#ffffff", "#3f3f46", "#c2410c", "#dc2626", "#15803d", "#1d4ed8"
+GROUND, BAND = "#a8a29e", "#e0f2fe"
+LOW, HIGH = np.array([120.0, 150.0, 105.0]), np.array([240.0, 232.0, 214.0])  # colours by height
+
+
+def as_png(flight: Flight) -> bytes:
+    """Return the picture as PNG.
+
+    Raises:
+        MissingExtraError: if Pillow is missing.
+    """
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError as error:
+        raise MissingExtraError("a picture as PNG", "Pillow", "terrain") from error
+    scenario = flight.map
+    x_min, y_min, x_max, y_max = scenario.workspace
+    width = FINER * WIDTH
+    scale = width / (x_max - x_min)
+    height = max(round(scale * (y_max - y_min)), 1)
+    image = Image.new("RGB", (width, height + FINER * PROFILE), PAPER)
+    relief = Image.fromarray(shaded(scenario)[::-1])
+    image.paste(relief.resize((width, height), Image.Resampling.BILINEAR), (0, 0))
+    canvas = ImageDraw.Draw(image, "RGBA")
+    for threat in scenario.threats.tolist():
+        centre = (scale * (threat[X] - x_min), scale * (y_max - threat[Y]))
+        canvas.circle(centre, scale * threat[RADIUS], fill=THREAT + "60", outline=THREAT, width=FINER)
+    places = np.stack(
+        [scale * (flight.waypoints[:, 0] - x_min), scale * (y_max - flight.waypoints[:, 1])], axis=-1
+    )
+    canvas.line([tuple(place) for place in places.tolist()], fill=FLIGHT, width=3 * FINER, joint="curve")
+    for place, colour in ((places[0], START), (places[-1], GOAL)):
+        canvas.circle(tuple(place.tolist()), 6 * FINER, fill=colour)
+    _draw_profile(canvas, flight, height)
+    content = io.BytesIO()
+    size = WIDTH, round(image.height / FINER)
+    image.resize(size, Image.Resampling.BOX).save(content, "PNG", optimize=True)
+    return content.getvalue()
+
+
+def shaded(scenario: TerrainScenario) -> NDArray[np.uint8]:
+    """Return the ground as colours, (rows, columns, 3): by height, and darker in the shade."""
+    light = hill_shade(scenario, max(scenario.heights.shape))
+    low, high = scenario.heights.min(), scenario.heights.max()
+    share = (scenario.heights - low) / max(high - low, 1e-9)
+    colours = (LOW + share[..., None] * (HIGH - LOW)) * (0.35 + 0.75 * light[..., None])
+    return np.clip(colours, 0.0, 255.0).astype(np.uint8)
+
+
+def _draw_profile(canvas: Any, flight: Flight, top: int) -> None:
+    """Draw the heights of ground, altitude band and flight over the distance from the start."""
+    track = ground_track(flight.map, flight.waypoints[:, :2])
+    z = np.interp(track.along, track.along[track.vertices], flight.waypoints[:, 2])
+    lowest, highest = flight.map.band
+    least, most = float(track.ground.min()), float(max(z.max(), (track.ground + highest).max()))
+    bottom = top + FINER * (PROFILE - 2 * MARGIN)
+    across = FINER * (WIDTH - LEFT - MARGIN) / track.along[-1]
+    up = (bottom - top - 2 * FINER * MARGIN) / max(most - least, 1e-9)
+
+    def line(heights: Floats) -> list[tuple[float, float]]:
+        x = FINER * LEFT + across * track.along
+        y = bottom - up * (heights - least)
+        return list(zip(x.tolist(), y.tolist(), strict=True))
+
+    band = [*line(track.ground + lowest), *reversed(line(track.ground + highest))]
+    canvas.polygon(band, fill=BAND)
+    ground = line(track.ground)
+    canvas.polygon([(ground[0][0], bottom), *ground, (ground[-1][0], bottom)], fill=GROUND)
+    for begin, end in pairwise(line(z)):
+        canvas.line([begin, end], fill=FLIGHT, width=2 * FINER)
+    for value in (least, most):
+        y = bottom - up * (value - least)
+        canvas.text((4 * FINER, y - 12), f"{value:.0f} m", fill=INK, font_size=11 * FINER)
+    text = f"{flight.length:,.0f} m, {flight.least_height:.0f} to {flight.greatest_height:.0f} m above ground"
+    canvas.text((FINER * LEFT, bottom + 4), text, fill=INK, font_size=12 * FINER)

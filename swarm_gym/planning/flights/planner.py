@@ -1,0 +1,150 @@
+"""The planner of flights: the straight line where it can be flown, and the best flight of a swarm."""
+
+import math
+import time
+from pathlib import Path
+
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.errors import NoPathError, ScenarioError, shown
+from swarm_gym.planning.flights.measures import measured
+from swarm_gym.planning.flights.result import Flight
+from swarm_gym.planning.flights.search import EPISODES, FlightSearch
+from swarm_gym.scenarios import TerrainScenario, make_scenario
+from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.elevation_files import READERS
+from swarm_gym.scenarios.terrain import file_family
+from swarm_gym.scenarios.terrain.survey import Survey, survey
+
+Point3 = tuple[float, float, float]
+
+
+def plan_flight(
+    where: str | Path | TerrainScenario,
+    start: Point3 | None = None,
+    goal: Point3 | None = None,
+    *,
+    threats: str | Path | None = None,
+    altitude: tuple[float, float] = (100.0, 200.0),
+    largest_turn: float = 45.0,
+    largest_climb: float = 45.0,
+    drone_size: float = 1.0,
+    danger_distance: float = 10.0,
+    coordinates: str | None = None,
+    optimizer: str | None = None,
+    controller: str | None = None,
+    max_evaluations: int | None = None,
+    max_seconds: float | None = None,
+    seed: int = 0,
+) -> Flight:
+    """Return a short flight over terrain that keeps to the altitude band and the limits, and out of threats.
+
+    A coarse graph, and swarms that begin beside its flights, look for routes, seen from above. Over each
+    route the shortest flight in the altitude band is known, see `profile`, and whether there is one.
+    Episodes run until a budget is spent, each from another seed; without a budget, `EPISODES` do. With more
+    evaluations the flight is never longer. Where the straight line can be flown, it is the result, unless an
+    optimizer, a controller or a budget is named.
+
+    Args:
+        where: an elevation model (`.tif`, `.asc`, `.hgt`), a scenario, or its name such as "terrain:test:0".
+        start: x, y or longitude, latitude, and height above ground; a scenario has its own.
+        goal: x, y or longitude, latitude, and height above ground; a scenario has its own.
+        threats: GeoJSON file of points with a radius, see `swarm_gym.scenarios.formats.threat_file`.
+        altitude: least and greatest height above ground, in metres.
+        largest_turn: largest turn at a waypoint, in degrees.
+        largest_climb: largest angle of climb or descent, in degrees.
+        drone_size: distance from a threat that counts as contact, in metres.
+        danger_distance: width of the zone around threats that the swarm avoids where it can, in metres.
+        coordinates: "plane" or "longitude-latitude"; by default the kind of the elevation model.
+        optimizer: name of the optimizer; by default one that suits flights.
+        controller: name of the controller; by default a fixed population size.
+        max_evaluations: evaluations after which no further episode begins, and at least one does.
+        max_seconds: seconds after which planning ends.
+        seed: seed of the first episode.
+
+    Raises:
+        ScenarioError: for files, a start, a goal or limits that are invalid.
+        SettingError: for another value that is invalid.
+        NoPathError: if no flight was found within the budget.
+        MissingExtraError: if a file needs a library that is missing.
+    """
+    require_integer("seed", seed, 0, 2**31)
+    if max_seconds is not None:
+        require_number("max_seconds", max_seconds, 1e-3, 1e9)
+    if max_evaluations is not None:
+        require_integer("max_evaluations", max_evaluations, 1)
+    began = time.monotonic()
+    if is_elevation(where):
+        path = Path(str(where))
+        if start is None or goal is None:
+            raise ScenarioError(
+                f"map {shown(str(where))}: a file needs a start and a goal, x, y and height above ground"
+            )
+        task = survey(
+            path if path.is_file() else find_data_file(str(where)),
+            start,
+            goal,
+            threats=None if threats is None else _found(threats),
+            altitude=altitude,
+            largest_turn=largest_turn,
+            largest_climb=largest_climb,
+            drone_size=drone_size,
+            danger_distance=danger_distance,
+            coordinates=coordinates,
+        )
+    else:
+        task = _named(where, start, goal, threats)
+    search = FlightSearch(task.scenario, optimizer, controller, seed, began)
+    search.begin()
+    stopped = False
+    if not search.improvements or optimizer or controller or max_evaluations or max_seconds:
+        stopped = search.run_until(
+            math.inf if max_evaluations is None else max_evaluations,
+            math.inf if max_seconds is None else began + max_seconds,
+            math.inf if max_evaluations or max_seconds else EPISODES,
+        )
+    seconds = time.monotonic() - began
+    if not search.improvements:
+        raise NoPathError(
+            f"no flight found over {task.scenario.name!r} with {search.evaluations:,} evaluations in "
+            f"{seconds:.2f} "
+            "seconds; a larger budget, a wider altitude band or larger angles may help"
+        )
+    best = search.improvements[-1]
+    return Flight(
+        task,
+        best.waypoints,
+        best.length,
+        *measured(task, best.waypoints),
+        search.evaluations,
+        seconds,
+        best.found_by,
+        stopped,
+        tuple(search.improvements),
+    )
+
+
+def is_elevation(where: object) -> bool:
+    """Return whether a map is an elevation model, by the ending of its name."""
+    named = isinstance(where, str | Path) and not str(where).startswith(f"{file_family.NAME}:")
+    return named and Path(str(where)).suffix.lower() in READERS
+
+
+def _found(path: str | Path) -> Path:
+    return Path(path) if Path(path).is_file() else find_data_file(str(path))
+
+
+def _named(where: str | Path | TerrainScenario, start: object, goal: object, threats: object) -> Survey:
+    """Return the task of a scenario or of its name."""
+    for role, value in (("start", start), ("goal", goal), ("threats", threats)):
+        if value is not None:
+            raise ScenarioError(f"map {shown(str(where))}: a scenario has its own {role}; leave it out")
+    if isinstance(where, str) and where.strip().startswith(f"{file_family.NAME}:"):
+        return file_family.surveyed(file_family.FAMILY.tidy(where))
+    scenario = make_scenario(str(where) if isinstance(where, Path) else where)
+    if not isinstance(scenario, TerrainScenario):
+        raise ScenarioError(
+            f"map {shown(scenario.name)}: expected terrain to fly over: {', '.join(READERS)}, or a "
+            "scenario such as "
+            "terrain:test:0"
+        )
+    return Survey(scenario)

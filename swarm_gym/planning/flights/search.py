@@ -1,0 +1,142 @@
+"""Episodes of a swarm over terrain: routes seen from above, and the shortest flight over any of them."""
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.env import SwarmEnv
+from swarm_gym.planning.flights.measures import length_of
+from swarm_gym.planning.flights.profile import flown
+from swarm_gym.planning.flights.result import FlightImprovement
+from swarm_gym.problem import TerrainProblem
+from swarm_gym.scenarios import TerrainScenario
+
+Floats = NDArray[np.float64]
+
+OPTIMIZER, CONTROLLER = "differential-evolution", "fixed:60"
+ITERATIONS = 200  # of an episode
+WAYPOINTS = (10, 16, 24)  # between start and goal, in turn
+EPISODES = 6  # without a budget
+
+
+class FlightSearch:
+    """Episodes on a task, and the shortest flight that they have found.
+
+    Attributes:
+        improvements: the flights that were the shortest one in turn.
+        evaluations: evaluations so far.
+    """
+
+    def __init__(
+        self,
+        scenario: TerrainScenario,
+        optimizer: str | None,
+        controller: str | None,
+        seed: int,
+        began: float,
+    ):
+        self._scenario, self._optimizer = scenario, optimizer or OPTIMIZER
+        self._controller: Controller = make_controller(controller or CONTROLLER)
+        self._seed, self._began, self._episodes = seed, began, 0
+        self._environments: dict[int, SwarmEnv] = {}
+        self.improvements: list[FlightImprovement] = []
+        self.evaluations = 0
+
+    def begin(self) -> None:
+        """Keep the straight line if it can be flown."""
+        self._keep(np.array([self._scenario.start[:2], self._scenario.target]), "straight line")
+
+    def run_until(self, most_evaluations: float, limit: float, most_episodes: float) -> bool:
+        """Run episodes until a budget is spent; return whether Ctrl-C ended them.
+
+        Args:
+            most_evaluations: evaluations after which no further episode begins.
+            limit: time of the monotonic clock at which the last episode ends.
+            most_episodes: number of episodes.
+        """
+        try:
+            while True:
+                self._run(limit)
+                if (
+                    time.monotonic() >= limit
+                    or self.evaluations >= most_evaluations
+                    or self._episodes >= most_episodes
+                ):
+                    return False
+        except KeyboardInterrupt:
+            return True
+
+    def _run(self, limit: float) -> None:
+        """Run an episode; its best flight is kept after 1, 2, 4, 8, ... iterations and at its end."""
+        count = WAYPOINTS[self._episodes % len(WAYPOINTS)]
+        if count not in self._environments:
+            self._environments[count] = SwarmEnv(
+                self._optimizer,
+                scenario=self._scenario,
+                num_waypoints=count,
+                iterations=ITERATIONS,
+                source="guided",
+                **self._controller.env_options(),
+            )
+            self._keep_ways(self._environments[count])
+        env = self._environments[count]
+        self._controller.reset(1, self._seed)
+        observation, info = env.reset(seed=self._seed)
+        self._seed += 1
+        self._episodes += 1
+        ended, iteration, counted = False, 0, 0
+        while not ended and time.monotonic() < limit:
+            observation, _, ended, _, info = env.step(self._controller.act(observation[None])[0])
+            iteration += 1
+            self.evaluations += int(info["evaluations"]) - counted
+            counted = int(info["evaluations"])
+            if ended or iteration & (iteration - 1) == 0:
+                self._keep_best(env)
+        self._keep_best(env)
+
+    def _keep_ways(self, env: SwarmEnv) -> None:
+        """Keep the flights over a coarse graph, beside which the members of a swarm begin."""
+        problem = env.simulation.problems[0]
+        assert isinstance(problem, TerrainProblem)
+        assert problem.ways is not None
+        for way in problem.points(problem.ways):
+            self._keep(way, "coarse graph")
+
+    def _keep_best(self, env: SwarmEnv) -> None:
+        problem = env.simulation.problems[0]
+        assert isinstance(problem, TerrainProblem)
+        vector = env.simulation.best_position(0)[: problem.dimension]
+        self._keep(problem.points(vector), "swarm")
+
+    def _keep(self, route: Floats, found_by: str) -> None:
+        """Keep the flight over a route, without needless waypoints, if it is the shortest one."""
+        route = _straightened(self._scenario, route)
+        flight = flown(self._scenario, route)
+        if flight is None:
+            return
+        length = length_of(flight)
+        if not self.improvements or length < self.improvements[-1].length:
+            seconds = time.monotonic() - self._began
+            self.improvements.append(FlightImprovement(seconds, flight, length, found_by))
+
+
+def _straightened(scenario: TerrainScenario, route: Floats) -> Floats:
+    """Return a route without the waypoints whose removal makes its flight shorter, one at a time.
+
+    A route that cannot be flown is returned as it is, unless one waypoint less lets it be flown.
+    """
+    flight = flown(scenario, route)
+    length = math.inf if flight is None else length_of(flight)
+    shorter = True
+    while shorter and len(route) > 2:
+        shorter = False
+        for number in range(1, len(route) - 1):
+            without = np.delete(route, number, axis=0)
+            found = flown(scenario, without)
+            if found is not None and length_of(found) < length:
+                route, length, shorter = without, length_of(found), True
+                break
+    return route

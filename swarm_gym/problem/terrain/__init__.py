@@ -1,0 +1,1 @@
+"""Flights over terrain: waypoints above ground, between threats, in an altitude band."""

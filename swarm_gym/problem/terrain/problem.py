@@ -1,0 +1,102 @@
+"""Problems of flights over terrain: the flight of least cost from a start to a goal."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.checks import look_up, require_integer
+from swarm_gym.problem.padding import columns
+from swarm_gym.problem.problem import Problem
+from swarm_gym.problem.terrain.bends import NUM_NUMBERS
+from swarm_gym.problem.terrain.cost import TERMS, WEIGHTS, terms_entry
+from swarm_gym.problem.terrain.table import COSTS, ENCODINGS, SIZES, TerrainTable, tabulate
+from swarm_gym.problem.terrain.waypoints import flights
+from swarm_gym.scenarios import TerrainScenario
+
+Floats = NDArray[np.float64]
+
+# Smallest number of waypoints, for which random numbers of a member suffice for two bends, and largest one.
+MIN_WAYPOINTS, MAX_WAYPOINTS = 4, 300
+assert columns(2 * MIN_WAYPOINTS) >= NUM_NUMBERS
+
+
+@dataclass(frozen=True)
+class TerrainProblem(Problem):
+    """Find the flight of least cost over terrain, through waypoints above ground.
+
+    Attributes:
+        scenario: the map and the task.
+        encoding: a name in `swarm_gym.problem.terrain.table.ENCODINGS`.
+        num_waypoints: n, number of waypoints between start and goal.
+        cost: a name in `swarm_gym.problem.terrain.table.COSTS`.
+        ways: (K, 2 n) the flights that smooth new members lie beside, as offsets sideways and upwards from
+            the start-goal line in any encoding; None is the line.
+    """
+
+    scenario: TerrainScenario
+    encoding: str = "waypoints"
+    num_waypoints: int = 10
+    cost: str = "documented"
+    ways: Floats | None = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        look_up("encoding", self.encoding, ENCODINGS)
+        look_up("cost", self.cost, COSTS)
+        require_integer("num_waypoints", self.num_waypoints, MIN_WAYPOINTS, MAX_WAYPOINTS)
+
+    @property
+    def dimension(self) -> int:
+        """Length of a decision vector."""
+        return SIZES[ENCODINGS[self.encoding]] * self.num_waypoints
+
+    @cached_property
+    def table(self) -> TerrainTable:
+        """The problem as the kernels read it."""
+        encoding, cost = ENCODINGS[self.encoding], COSTS[self.cost]
+        return tabulate(self.scenario, encoding, cost, self.num_waypoints, self.ways)
+
+    @property
+    def lower_bound(self) -> float:
+        """A lower bound of the fitness: the straight line, with the weight of the length."""
+        ends = np.array([self.scenario.start[:2], self.scenario.goal[:2]])
+        if self.cost == "documented":
+            return WEIGHTS[0] * self.scenario.straight_line
+        level = math.hypot(*np.subtract(ends[1], ends[0]).tolist())
+        return WEIGHTS[0] * level  # heights below waypoints are those of the nearest cells
+
+    @property
+    def collision_bound(self) -> float:
+        """An upper bound of the degree of collision, in metres."""
+        x_min, y_min, x_max, y_max = self.scenario.workspace
+        heights, (lowest, highest) = self.scenario.heights, self.scenario.band
+        climb = float(heights.max() - heights.min()) + highest - lowest
+        longest = (self.num_waypoints + 1) * math.hypot(x_max - x_min, y_max - y_min, climb)
+        return longest * (1.0 + len(self.scenario.threats))
+
+    @property
+    def identity(self) -> tuple[object, ...]:
+        """The task and the choices that the fitness depends on."""
+        return "terrain", self.scenario.digest, self.encoding, self.num_waypoints, self.cost
+
+    def points(self, vectors: ArrayLike) -> Floats:
+        """Return the flights, seen from above, (..., n + 2, 2) in map coordinates, of decision vectors."""
+        return self.flights(vectors)[..., :2]
+
+    def flights(self, vectors: ArrayLike) -> Floats:
+        """Return flights, (..., n + 2, 4), of decision vectors (..., D): their waypoints from start to goal.
+
+        Each has x, y, height (from the zero of the map) and altitude above ground, in metres.
+        """
+        given = np.asarray(vectors, dtype=np.float64)
+        paths = np.zeros((math.prod(given.shape[:-1]), columns(self.dimension) + 1))
+        paths[:, 1 : self.dimension + 1] = given.reshape(-1, self.dimension)
+        found = flights(self.table, paths)
+        return found.reshape(*given.shape[:-1], *found.shape[1:])
+
+    def terms(self, vector: ArrayLike) -> dict[str, float]:
+        """Return the terms of the cost of a decision vector by name, weighted: the fitness is their sum."""
+        found = terms_entry(self.table, self._path(vector))
+        return {name: weight * term for name, weight, term in zip(TERMS, WEIGHTS, found, strict=True)}

@@ -1,0 +1,119 @@
+"""Flights over a coarse graph: offsets and altitudes at each waypoint, with the terms of the documented cost.
+
+Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node follows from
+the best flight to that node, so a flight is good and not always the best one of the graph.
+"""
+
+import math
+
+import numpy as np
+
+from swarm_gym.compiler.elementary import arctangent
+from swarm_gym.compiler.jit import entry, kernel
+from swarm_gym.problem.padding import Floats, Integers
+from swarm_gym.problem.terrain.cost import DEGREES, WEIGHTS, segment_terms, turn_between
+from swarm_gym.problem.terrain.ground import height
+from swarm_gym.problem.terrain.table import ABOVE, CLIMB, HIGHEST, LOWEST, TURN, TerrainTable, X, Y
+
+# Columns of nodes: place, the best flight to it, and the last step of that flight.
+_X, _Y, _ABOVE, _Z, _COST, _DX, _DY, _CLIMB = range(8)
+_LENGTH, _THREATS, _ALTITUDE, _ANGLES, _GROUND, _BAND, _LIMITS = WEIGHTS
+
+
+@entry
+def layered_flight(table: TerrainTable, sideways: Floats, upwards: Floats, tolls: Floats) -> Floats:
+    """Return offsets sideways and upwards, (2 n,), of a flight of small cost through nodes of a graph.
+
+    Args:
+        table: the problem table, with n waypoints; its encoding does not matter.
+        sideways: (n, M) offsets of the nodes of each waypoint.
+        upwards: (A,) shares of the band at which nodes lie.
+        tolls: (n, M) what it costs to pass a node, besides the terms.
+    """
+    n, width = sideways.shape
+    num_nodes = width * upwards.shape[0]
+    nodes = np.zeros((n, num_nodes, 8))
+    origins = np.zeros((n, num_nodes), np.int64)
+    start, goal = np.zeros(8), np.zeros(8)
+    _place(table, start, table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE])
+    _place(table, goal, table.ends[1, X], table.ends[1, Y], table.ends[1, ABOVE])
+    band = table.band[HIGHEST] - table.band[LOWEST]
+    middle = 0.5 * (table.band[LOWEST] + table.band[HIGHEST])
+    for k in range(n):
+        along = (k + 1) * table.spacing
+        order = np.argsort(nodes[max(k - 1, 0), :, _COST])
+        for i in range(num_nodes):
+            offset = sideways[k, i % width]
+            x = table.ends[0, X] + along * table.forward[X] - offset * table.forward[Y]
+            y = table.ends[0, Y] + along * table.forward[Y] + offset * table.forward[X]
+            above = table.band[LOWEST] + band * upwards[i // width]
+            node = nodes[k, i]
+            _place(table, node, x, y, above)
+            if k == 0:
+                _reach(table, node, start, False)
+            else:
+                origins[k, i] = _reach_best(table, node, nodes[k - 1], order)
+            node[_COST] += tolls[k, i % width] + _ALTITUDE * abs(above - middle)
+    last = _reach_best(table, goal, nodes[n - 1], np.argsort(nodes[n - 1, :, _COST]))
+    return _offsets(table, nodes, origins, sideways, last)
+
+
+@kernel
+def _offsets(table: TerrainTable, nodes: Floats, origins: Integers, sideways: Floats, last: int) -> Floats:
+    """Return the offsets of the flight that ends with a node of the last waypoint."""
+    n, width = sideways.shape
+    found = np.empty(2 * n)
+    for k in range(n - 1, -1, -1):
+        share = (k + 1) / (n + 1)
+        line = table.ends[0, ABOVE] + (table.ends[1, ABOVE] - table.ends[0, ABOVE]) * share
+        found[k], found[n + k] = sideways[k, last % width], nodes[k, last, _ABOVE] - line
+        last = origins[k, last]
+    return found
+
+
+@kernel
+def _place(table: TerrainTable, node: Floats, x: float, y: float, above: float) -> None:
+    """Place a node that no flight has reached yet."""
+    x = min(max(x, table.extent[0]), table.extent[2])
+    y = min(max(y, table.extent[1]), table.extent[3])
+    node[_X], node[_Y], node[_ABOVE], node[_Z] = x, y, above, height(table, x, y) + above
+    node[_COST] = math.inf
+
+
+@kernel
+def _reach_best(table: TerrainTable, node: Floats, before: Floats, order: Integers) -> int:
+    """Reach a node from the best of the nodes before, (N, 8), in the order of their costs; return which."""
+    best = order[0]
+    for k in range(order.shape[0]):
+        other = before[order[k]]
+        dx, dy, dz = node[_X] - other[_X], node[_Y] - other[_Y], node[_Z] - other[_Z]
+        if other[_COST] >= node[_COST]:
+            break
+        least = other[_COST] + _LENGTH * math.sqrt(dx * dx + dy * dy + dz * dz)
+        if least < node[_COST] and _reach(table, node, other, True):
+            best = order[k]
+    return best
+
+
+@kernel
+def _reach(table: TerrainTable, node: Floats, other: Floats, has_step: bool) -> bool:
+    """Reach a node from another one if that is cheaper than before; return whether it is."""
+    dx, dy = node[_X] - other[_X], node[_Y] - other[_Y]
+    climb = DEGREES * arctangent(node[_Z] - other[_Z], math.sqrt(dx * dx + dy * dy))
+    cost = 0.0 if not has_step else other[_COST]
+    over = max(abs(climb) - table.limits[CLIMB], 0.0)
+    if has_step:
+        turn = turn_between(other[_DX], other[_DY], dx, dy)
+        over += max(turn - table.limits[TURN], 0.0)
+        cost += _ANGLES * (turn + abs(climb - other[_CLIMB]))
+    cost += _LIMITS * over
+    if cost >= node[_COST]:
+        return False
+    metres, threats, ground, band, _ = segment_terms(
+        table, other[_X], other[_Y], other[_Z], node[_X], node[_Y], node[_Z]
+    )
+    cost += _LENGTH * metres + _THREATS * threats + _GROUND * ground + _BAND * band
+    if cost >= node[_COST]:
+        return False
+    node[_COST], node[_DX], node[_DY], node[_CLIMB] = cost, dx, dy, climb
+    return True

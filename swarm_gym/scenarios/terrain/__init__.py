@@ -1,0 +1,1 @@
+"""Flights over terrain: height maps with threats, an altitude band and limits on turns and climbs."""

@@ -1,0 +1,335 @@
+"""Planned flights: free by an independent check, anytime, in every file format, and refused with a status."""
+
+import json
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
+from oracles.flown_terrain import faults
+from swarm_gym import plan_flight
+from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, SettingError
+from swarm_gym.plan import main
+from swarm_gym.planning.flights import search
+from swarm_gym.planning.flights.writing import FORMATS, as_mission, write_flight
+from swarm_gym.scenarios import make_scenario
+
+pytest.importorskip("pyproj", reason="needs the extra `terrain`")
+
+START, GOAL = (1500.0, 2500.0, 150.0), (4500.0, 4500.0, 120.0)
+WEST, EAST = (7.40, 46.50, 150.0), (7.43, 46.51, 150.0)
+WALL = (
+    (2700, 3400, {"radius": 350}),
+    (3600, 3700, {"radius": 250}),
+    (3000, 2700, {"radius": 150, "height": 30}),
+)
+FAST = {"optimizer": "firefly", "max_evaluations": 3000}
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Let episodes be short."""
+    monkeypatch.setattr(search, "ITERATIONS", 20)
+    monkeypatch.setattr(search, "WAYPOINTS", (8,))
+
+
+@pytest.fixture
+def grid(tmp_path):
+    """Return an elevation model in metres and threats between start and goal."""
+    return write_asc(tmp_path / "a.asc", hill()), write_threats(tmp_path / "t.geojson", *WALL)
+
+
+@pytest.fixture
+def over_earth(tmp_path):
+    """Return a flight over an elevation model in degrees, past two threats."""
+    threats = write_threats(
+        tmp_path / "t.geojson", (7.412, 46.506, {"radius": 80}), (7.425, 46.504, {"radius": 99, "top": 4000})
+    )
+    return plan_flight(write_hgt(tmp_path), WEST, EAST, threats=threats)
+
+
+def test_a_flight_between_threats_is_free_and_longer_time_is_no_worse(grid, small):
+    path, threats = grid
+    found = plan_flight(path, START, GOAL, threats=threats, **FAST)
+    assert faults(found.map, found.waypoints.tolist()) == []
+    assert found.found_by == "swarm"
+    assert found.evaluations >= 3000
+    assert found.passed[0].distance >= found.map.drone_size - 1e-6
+    lengths = [one.length for one in found.improvements]
+    assert lengths == sorted(lengths, reverse=True)
+    assert lengths[-1] == found.length >= math.dist(START[:2], GOAL[:2])
+    longer = plan_flight(path, START, GOAL, threats=threats, optimizer="firefly", max_evaluations=6000)
+    assert longer.length <= found.length
+    again = plan_flight(path, START, GOAL, threats=threats, **FAST)
+    assert np.array_equal(again.waypoints, found.waypoints)
+    assert 100.0 <= found.least_height <= found.greatest_height <= 200.0
+    assert found.steepest_climb <= 45.0
+    assert found.sharpest_turn <= 45.0
+
+
+def test_where_the_line_is_free_no_swarm_is_needed(grid):
+    found = plan_flight(grid[0], START, GOAL)
+    assert (found.found_by, found.evaluations) == ("straight line", 0)
+    assert faults(found.map, found.waypoints.tolist()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(0, 56, 5))
+def test_flights_over_generated_terrain_have_no_fault(number):
+    found = plan_flight(f"terrain:test:{number}", max_evaluations=60_000)
+    assert faults(found.map, found.waypoints.tolist()) == []
+
+
+def test_a_scenario_has_its_own_ends(grid):
+    name = f"terrain-file:{grid[0]}?start=1500,2500,150&goal=4500,4500,120"
+    found = plan_flight(name)
+    assert found.length == plan_flight(grid[0], START, GOAL).length
+    assert plan_flight(make_scenario(name)).length == found.length
+    with pytest.raises(ScenarioError, match="a scenario has its own start"):
+        plan_flight(name, START, GOAL)
+    with pytest.raises(ScenarioError, match="expected terrain to fly over"):
+        plan_flight("case1")
+    with pytest.raises(ScenarioError, match="a file needs a start and a goal"):
+        plan_flight(grid[0], START)
+
+
+def test_csv_has_heights_above_the_sea_and_the_ground(over_earth, tmp_path):
+    write_flight(over_earth, tmp_path / "f.csv")
+    table = np.loadtxt(tmp_path / "f.csv", delimiter=",", skiprows=1)
+    assert (tmp_path / "f.csv").read_text().startswith("x,y,z,above_ground\n")
+    assert table[[0, -1], :2] == pytest.approx(np.array([WEST[:2], EAST[:2]]), abs=1e-9)
+    assert table[[0, -1], 3] == pytest.approx([150.0, 150.0], abs=2e-3)
+    assert table[:, :3] == pytest.approx(over_earth.path, abs=1e-3)
+
+
+def test_geojson_has_positions_with_heights(over_earth, tmp_path):
+    write_flight(over_earth, tmp_path / "f.geojson")
+    feature = json.loads((tmp_path / "f.geojson").read_text())
+    assert feature["geometry"]["type"] == "LineString"
+    assert np.array(feature["geometry"]["coordinates"]) == pytest.approx(over_earth.in_degrees)
+    assert feature["properties"]["length"] == over_earth.length
+
+
+def test_kml_is_a_line_above_the_sea_and_rings(over_earth, tmp_path):
+    write_flight(over_earth, tmp_path / "f.kml")
+    root = ElementTree.parse(tmp_path / "f.kml").getroot()
+    space = {"k": "http://www.opengis.net/kml/2.2"}
+    assert root.tag == "{http://www.opengis.net/kml/2.2}kml"
+    (line,) = root.findall(".//k:LineString", space)
+    assert line.find("k:altitudeMode", space).text == "absolute"
+    positions = [list(map(float, word.split(","))) for word in line.find("k:coordinates", space).text.split()]
+    assert np.array(positions) == pytest.approx(over_earth.in_degrees, abs=1e-3)
+    rings = root.findall(".//k:LinearRing/k:coordinates", space)
+    assert len(rings) == 2
+    assert all(ring.text.split()[0] == ring.text.split()[-1] for ring in rings)
+
+
+NUMBER, POSITIVE = {"type": "number"}, {"type": "number", "exclusiveMinimum": 0}
+PLACE = {"type": "array", "items": NUMBER}
+# "Plan File Format" in the developer guide of QGroundControl, as far as files of waypoints and circles go.
+PLAN = {
+    "type": "object",
+    "required": ["fileType", "groundStation", "mission", "version", "geoFence", "rallyPoints"],
+    "additionalProperties": False,
+    "properties": {
+        "fileType": {"const": "Plan"},
+        "groundStation": {"type": "string"},
+        "version": {"const": 1},
+        "rallyPoints": {"const": {"points": [], "version": 2}},
+        "geoFence": {
+            "type": "object",
+            "required": ["circles", "polygons", "version"],
+            "properties": {
+                "version": {"const": 2},
+                "polygons": {"const": []},
+                "circles": {
+                    "type": "array",
+                    "items": {
+                        "type": "object",
+                        "required": ["circle", "inclusion", "version"],
+                        "properties": {
+                            "circle": {
+                                "type": "object",
+                                "required": ["center", "radius"],
+                                "properties": {
+                                    "center": {**PLACE, "minItems": 2, "maxItems": 2},
+                                    "radius": POSITIVE,
+                                },
+                            },
+                            "inclusion": {"type": "boolean"},
+                            "version": {"const": 1},
+                        },
+                    },
+                },
+            },
+        },
+        "mission": {
+            "type": "object",
+            "required": [
+                "cruiseSpeed", "firmwareType", "hoverSpeed", "items", "plannedHomePosition", "vehicleType",
+                "version",
+            ],
+            "properties": {
+                "version": {"const": 2},
+                "cruiseSpeed": POSITIVE,
+                "hoverSpeed": POSITIVE,
+                "firmwareType": {"type": "integer"},
+                "vehicleType": {"type": "integer"},
+                "plannedHomePosition": {**PLACE, "minItems": 3, "maxItems": 3},
+                "items": {
+                    "type": "array",
+                    "minItems": 1,
+                    "items": {
+                        "type": "object",
+                        "required": ["autoContinue", "command", "doJumpId", "frame", "params", "type"],
+                        "properties": {
+                            "AMSLAltAboveTerrain": {"type": ["number", "null"]},
+                            "Altitude": NUMBER,
+                            "AltitudeMode": {"enum": [0, 1, 2, 3]},
+                            "autoContinue": {"type": "boolean"},
+                            "command": {"type": "integer"},
+                            "doJumpId": {"type": "integer", "minimum": 1},
+                            "frame": {"type": "integer"},
+                            "params": {
+                                "type": "array",
+                                "minItems": 7,
+                                "maxItems": 7,
+                                "items": {"type": ["number", "null"]},
+                            },
+                            "type": {"const": "SimpleItem"},
+                        },
+                    },
+                },
+            },
+        },
+    },
+}  # fmt: skip
+
+
+def test_a_mission_has_the_documented_form(over_earth):
+    jsonschema = pytest.importorskip("jsonschema", reason="comes with the dependency group `docs`")
+    plan = json.loads(as_mission(over_earth))
+    jsonschema.validate(plan, PLAN)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({**plan, "fileType": "Mission"}, PLAN)
+
+
+def test_a_mission_has_latitude_before_longitude_and_circles_to_keep_out_of(over_earth):
+    plan = json.loads(as_mission(over_earth))
+    items = plan["mission"]["items"]
+    assert [item["doJumpId"] for item in items] == list(range(1, len(items) + 1))
+    places = np.array([[item["params"][5], item["params"][4], item["params"][6]] for item in items])
+    assert places == pytest.approx(over_earth.in_degrees, abs=1e-3)
+    assert all(item["params"][6] == item["Altitude"] for item in items)
+    home = plan["mission"]["plannedHomePosition"]
+    assert home[:2] == pytest.approx([WEST[1], WEST[0]])
+    assert home[2] == pytest.approx(over_earth.waypoints[0, 2] - 150.0, abs=1e-2)
+    circles = plan["geoFence"]["circles"]
+    assert [one["circle"]["radius"] for one in circles] == [80.0, 99.0]
+    assert circles[0]["circle"]["center"] == pytest.approx([46.506, 7.412])
+    assert not any(one["inclusion"] for one in circles)
+
+
+def test_pictures_and_pages_are_whole(over_earth, tmp_path):
+    pillow = pytest.importorskip("PIL.Image", reason="needs the extra `terrain`")
+    write_flight(over_earth, tmp_path / "f.png", tmp_path / "f.html")
+    picture = np.asarray(pillow.open(tmp_path / "f.png").convert("RGB")).astype(int)
+    assert picture.shape[1] == 900
+    flight = np.abs(picture - (0xC2, 0x41, 0x0C)).sum(axis=2) < 60
+    assert flight.sum() > 900  # the line on the map, and its profile below
+    page = (tmp_path / "f.html").read_text("utf-8")
+    assert "{{" not in page
+    assert not re.search(r'(?:src|href)="', page)  # it loads nothing
+    data = json.loads(re.search(r'type="application/json">(.*?)</script>', page)[1])
+    assert len(data["flight"]) == len(over_earth.waypoints)
+    assert data["rows"] * data["columns"] == len(data["heights"]) == len(data["colours"])
+    assert data["threats"][0][3] is None
+
+
+def test_missions_need_a_place_on_the_earth(grid, tmp_path):
+    found = plan_flight(grid[0], START, GOAL)
+    with pytest.raises(SettingError, match="names no coordinate reference system"):
+        write_flight(found, tmp_path / "a.csv", tmp_path / "f.plan")
+    assert not (tmp_path / "a.csv").exists()
+    write_flight(found, tmp_path / "a.geojson")
+    content = json.loads((tmp_path / "a.geojson").read_text())
+    assert content["geometry"]["coordinates"][0][:2] == [1500.0, 2500.0]
+
+
+def command(grid, *more):
+    return ["--map", str(grid[0]), "--start", "1500,2500,150", "--goal", "4500,4500,120", *more]
+
+
+def test_the_command_reports_and_writes(grid, small, tmp_path, capsys):
+    output = tmp_path / "out" / "f.csv"
+    given = ["--threats", str(grid[1]), "--budget", "3000", "--optimizer", "firefly", "--output", str(output)]
+    assert main(command(grid, *given)) == 0
+    printed = capsys.readouterr().out
+    for word in (
+        "length",
+        "above ground",
+        "climb",
+        "turn",
+        "threat 0",
+        "passed at",
+        "evaluations",
+        "written to",
+    ):
+        assert word in printed
+    assert output.exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "message"),
+    [
+        (["--start", "1500,2500"], 2, "expected three numbers x,y,height, got '1500,2500'"),
+        (["--altitude", "100"], 2, "expected two heights in metres such as 100..200, got '100'"),
+        (["--budget", "fast"], 2, "expected evaluations such as 50000 or seconds"),
+        (["--start", "0,0,150"], 2, "error: .*a.asc: start 0, 0 lies outside the map"),
+        (["--start", "1500,2500,20"], 2, "error: .*expected the altitude band"),
+        (["--altitude", "200..100"], 2, "error: .*lowest < highest"),
+        (["--threats", "none.geojson"], 2, "error: no file none.geojson"),
+        (["--output", "f.doc"], 2, "the name must end with .csv, .geojson, .kml, .plan, .png, .html"),
+        (
+            ["--max-climb", "0.1", "--budget", "600", "--optimizer", "firefly"],
+            3,
+            "no flight: no flight found",
+        ),
+        (["--map", "none.tif"], 2, "error: no file none.tif"),
+    ],
+)
+def test_the_command_ends_with_a_status(grid, small, capsys, more, status, message):
+    try:
+        ended = main(command(grid, *more))
+    except SystemExit as error:
+        ended = error.code
+    assert ended == status
+    assert re.search(message, capsys.readouterr().err)
+
+
+def test_help_is_that_of_flights_over_an_elevation_model(capsys):
+    with pytest.raises(SystemExit):
+        main(["--map=dem.tif", "--help"])
+    assert "--altitude LEAST..GREATEST" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "--map dem.tif --help" in capsys.readouterr().out
+
+
+def test_no_flight_is_found_where_limits_leave_none(grid, small):
+    with pytest.raises(NoPathError, match="no flight found over 'a' with"):
+        plan_flight(grid[0], START, GOAL, largest_climb=0.1, **FAST)
+
+
+def test_a_picture_needs_pillow_before_anything_is_planned(grid, tmp_path, monkeypatch):
+    import sys
+
+    from swarm_gym.planning.flights.writing import require_formats
+
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises((MissingExtraError, ValueError)):
+        require_formats([tmp_path / "f.png"])
+    assert set(FORMATS) == {".csv", ".geojson", ".kml", ".plan", ".png", ".html"}

@@ -1,0 +1,189 @@
+"""Flights over terrain: costs against plain Python, shapely, dense samples and numbers of published code."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from helpers.compiled import compiled
+from helpers.loops import looped
+from helpers.refusals import refused
+from helpers.terrains import drawn_flights, published_terrain, rolling_terrain
+from oracles import naive_flights
+from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.problem import TerrainProblem
+from swarm_gym.problem.tables import draw_bend
+from swarm_gym.problem.terrain.ground import share_below
+from swarm_gym.scenarios import TerrainScenario
+
+PUBLISHED = Path(__file__).parents[2] / "data" / "metabox-flights.npz"
+ENCODINGS = ("waypoints", "spherical")
+both_encodings = looped("encoding", ENCODINGS)
+
+
+def low_threats(seed=1):
+    """Hills twice as high, and cylinders above which flights pass."""
+    hills = rolling_terrain(seed)
+    threats = hills.threats.copy()
+    threats[:, 2] = np.linspace(120.0, 220.0, len(threats))
+    return replace(hills, threats=threats, heights=2.0 * hills.heights)
+
+
+def flights_of(problem, count, seed=0):
+    """Vectors near the middle of the bounds and anywhere in them."""
+    rng = np.random.default_rng(seed)
+    low, high = problem.bounds
+    middle = (low + high) / 2
+    for _ in range(count):
+        yield middle + rng.choice([0.1, 0.4, 1.0]) * (rng.uniform(low, high) - middle)
+
+
+def smooth_flights(problem, count, amplitude=0.3, seed=0):
+    """Vectors of smooth members."""
+    rng = np.random.default_rng(seed)
+    width = problem.table.lower.shape[0]
+    for k in range(count):
+        path = np.zeros(width + 1)
+        compiled(draw_bend)(problem.table, amplitude, k % 2, rng.random(width), path)
+        yield path[1 : problem.dimension + 1]
+
+
+@looped(("scenario", "encoding"), [(s, e) for s in (rolling_terrain(), low_threats()) for e in ENCODINGS])
+def test_terms_and_collision_are_those_of_plain_python(scenario, encoding):
+    problem = TerrainProblem(scenario, encoding, 7)
+    for vector in flights_of(problem, 25):
+        terms, collision = naive_flights.terms(scenario, encoding, vector)
+        fitness, found = problem.evaluate(vector)
+        assert problem.terms(vector) == pytest.approx(terms, rel=1e-9, abs=1e-6)
+        assert fitness == pytest.approx(sum(terms.values()), rel=1e-9)
+        assert found == pytest.approx(collision, rel=1e-9, abs=2e-6)
+        assert fitness > problem.lower_bound
+        assert found < problem.collision_bound
+
+
+def test_no_flight_without_collision_touches_ground_or_threat():
+    free = 0
+    for scenario in (rolling_terrain(2, threats=3), low_threats(3)):
+        for encoding in ENCODINGS:
+            problem = TerrainProblem(scenario, encoding, 9)
+            for vector in [*flights_of(problem, 30, seed=4), *smooth_flights(problem, 80)]:
+                if problem.evaluate(vector)[1] > 0.0:
+                    continue
+                above, distance = naive_flights.worst(scenario, problem.flights(vector)[:, :3], samples=200)
+                assert above > -1e-9
+                assert distance > -1e-9
+                free += 1
+    assert free > 20
+
+
+@looped("choice", range(3))
+def test_the_share_below_zero_is_positive_where_anything_is_below(choice):
+    rng = np.random.default_rng(choice)
+    below = compiled(share_below)
+    s = np.linspace(0.0, 1.0, 4001)
+    for _ in range(300):
+        begin, end, sag = rng.normal(size=3) * rng.choice([0.0, 1e-6, 1.0, 50.0], 3)
+        values = begin + (end - begin) * s + sag * (s * s - s)
+        share = below(begin, end, sag)
+        assert share == pytest.approx((values < 0.0).mean(), abs=2e-3)
+        assert share > 0.0 or values.min() >= -1e-15
+
+
+def test_costs_are_those_of_published_code():
+    """Published code made these costs; a third of the flights have waypoints that fall together."""
+    problem = TerrainProblem(published_terrain(), "spherical", 10, "metabox")
+    stored = np.load(PUBLISHED)["ridges"]
+    flights = drawn_flights(problem, 7, len(stored))
+    found = [problem.evaluate(flight)[0] for flight in flights]
+    np.testing.assert_allclose(found, stored, rtol=1e-9)
+    steps = np.diff(problem.points(flights), axis=1)
+    assert (steps == 0.0).all(axis=2).any(axis=1).mean() > 0.3
+    grounded = [problem.terms(flight)["ground"] > 0.0 for flight in flights[:100]]
+    assert 0.2 < np.mean(grounded) < 0.9
+
+
+def test_both_costs_have_the_same_collision_for_the_same_flight():
+    scenario = low_threats(5)
+    one, other = (TerrainProblem(scenario, "waypoints", 10, cost) for cost in ("documented", "metabox"))
+    for vector in flights_of(one, 50):
+        assert one.evaluate(vector)[1] == pytest.approx(other.evaluate(vector)[1], rel=1e-12)
+        assert sum(other.terms(vector).values()) == pytest.approx(other.evaluate(vector)[0])
+
+
+def test_headings_of_published_code_are_mirrored():
+    scenario = rolling_terrain()
+    vector = np.tile([30.0, 0.0, 0.9], 10)
+    straight, mirrored = (
+        TerrainProblem(scenario, "spherical", 10, cost).points(vector)[1] - scenario.start[:2]
+        for cost in ("documented", "metabox")
+    )
+    assert straight == pytest.approx([30 * math.cos(0.9), 30 * math.sin(0.9)])
+    assert mirrored == pytest.approx(straight[::-1])
+
+
+@both_encodings
+def test_repair_frees_most_flights_and_leaves_free_ones_alone(encoding):
+    freed = colliding = 0
+    for scenario in (rolling_terrain(6, threats=2), low_threats(7)):
+        problem = TerrainProblem(scenario, encoding, 10)
+        low, high = problem.bounds
+        for vector in smooth_flights(problem, 40, amplitude=0.2):
+            before = problem.evaluate(vector)[1]
+            for degree in (0.5, 1.0):
+                repaired = problem.repaired(vector, degree)
+                assert (repaired >= low).all()
+                assert (repaired <= high).all()
+            if before == 0.0:
+                np.testing.assert_array_equal(repaired, vector)
+            else:
+                colliding += 1
+                freed += problem.evaluate(repaired)[1] < before
+    assert colliding > 15
+    assert freed > 0.7 * colliding
+
+
+@both_encodings
+def test_smooth_members_bend_both_ways_and_reach_the_amplitude(encoding):
+    problem = TerrainProblem(rolling_terrain(threats=0), encoding, 11)
+    flights = problem.flights(list(smooth_flights(problem, 200, amplitude=0.1, seed=3)))
+    along = np.array([math.cos(math.atan2(780.0, 820.0)), math.sin(math.atan2(780.0, 820.0))])
+    sideways = (flights[..., :2] - flights[:, :1, :2]) @ [-along[1], along[0]]
+    upwards = flights[..., 3] - 150.0
+    for offsets, largest in ((sideways, 0.1 * problem.table.width), (upwards, 10.0)):
+        heights = abs(offsets).max(axis=1)
+        assert heights.max() <= largest * (1.0 + 1e-9)
+        assert heights.mean() == pytest.approx(largest / 2, rel=0.15)
+    correlation = np.corrcoef(sideways[:, 5], upwards[:, 5])[0, 1]
+    assert abs(correlation) < 0.25
+
+
+def test_problems_are_refused_with_what_is_valid():
+    scenario = rolling_terrain()
+    refused(lambda: TerrainProblem(scenario, "bezier"), "bezier", "spherical", error=UnknownNameError)
+    refused(lambda: TerrainProblem(scenario, cost="free"), "free", "metabox", error=UnknownNameError)
+    refused(lambda: TerrainProblem(scenario, num_waypoints=3), "[4, 300]", error=SettingError)
+    assert TerrainProblem(scenario, num_waypoints=4).dimension == 8
+
+
+def test_the_identity_is_that_of_the_content():
+    one, other = TerrainProblem(rolling_terrain(1)), TerrainProblem(rolling_terrain(1))
+    assert one.identity == other.identity
+    assert one == other
+    moved = TerrainProblem(rolling_terrain(1, goal=(849.0, 820.0, 150.0)))
+    assert moved.identity != one.identity
+    assert TerrainProblem(rolling_terrain(1), cost="metabox").identity != one.identity
+
+
+def test_a_flat_flight_costs_what_one_can_count():
+    flat = TerrainScenario("flat", np.zeros((20, 20)), (10.0, 90.0, 150.0), (170.0, 90.0, 150.0), cell=10.0)
+    problem = TerrainProblem(flat, "waypoints", 7)
+    assert problem.evaluate(np.zeros(14)) == (800.0, 0.0)
+    upwards = np.append(np.zeros(7), np.full(7, 10.0))
+    terms = problem.terms(upwards)
+    climb = math.degrees(math.atan2(10.0, 20.0))
+    assert terms["altitude"] == pytest.approx(700.0)
+    assert terms["angles"] == pytest.approx(2.0 * climb)
+    assert terms["length"] == pytest.approx(5.0 * (2.0 * math.hypot(20.0, 10.0) + 120.0))
+    assert (terms["band"], terms["ground"], terms["threats"], terms["limits"]) == (0.0, 0.0, 0.0, 0.0)

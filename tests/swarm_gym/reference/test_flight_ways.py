@@ -1,0 +1,71 @@
+"""Planned flights: cheap, different, the same in every call, and past threats on several sides."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from helpers.terrains import rolling_terrain
+from swarm_gym.problem import TerrainProblem
+from swarm_gym.reference.flight_ways import LEAST_DIFFERENCE, MOST_COST, flight_ways
+from swarm_gym.scenarios import TerrainScenario
+
+
+def flat(**parts):
+    ends = {"start": (10.0, 500.0, 150.0), "goal": (990.0, 500.0, 150.0)}
+    return TerrainScenario("flat", **{"heights": np.zeros((101, 101)), "cell": 10.0, **ends, **parts})
+
+
+def test_the_straight_line_is_found_where_nothing_is_in_the_way():
+    problem = TerrainProblem(flat())
+    flight = flight_ways(problem, 1)[0]
+    assert problem.evaluate(flight)[0] <= 1.001 * problem.lower_bound
+
+
+def test_flights_pass_a_threat_on_both_sides():
+    problem = TerrainProblem(flat(threats=[[500.0, 500.0, np.inf, 80.0]]))
+    flights = flight_ways(problem, 4)
+    assert all(problem.evaluate(flight)[1] == 0.0 for flight in flights)
+    middles = {float(np.sign(flight[4] + flight[5])) for flight in flights}
+    assert middles == {-1.0, 1.0}
+
+
+def test_a_ridge_is_crossed_at_its_gap():
+    heights = np.zeros((101, 101))
+    heights[:, 45:56] = 2_000.0
+    heights[75:85, 45:56] = 0.0
+    problem = TerrainProblem(flat(heights=heights))
+    flight = flight_ways(problem, 1)[0]
+    assert problem.evaluate(flight)[1] == 0.0
+    points = problem.points(flight)
+    ys = [
+        y0 + (y1 - y0) * (500.0 - x0) / (x1 - x0)
+        for (x0, y0), (x1, y1) in pairwise(points.tolist())
+        if x0 <= 500.0 <= x1
+    ]
+    assert all(750.0 <= y <= 850.0 for y in ys)
+
+
+def test_flights_differ_and_are_in_the_order_of_their_costs():
+    for seed in range(3):
+        problem = TerrainProblem(rolling_terrain(seed))
+        flights = flight_ways(problem, 4)
+        np.testing.assert_array_equal(flights, flight_ways(problem, 4))
+        costs = [problem.evaluate(flight)[0] for flight in flights]
+        assert costs == sorted(costs)
+        assert costs[-1] < MOST_COST * costs[0] * MOST_COST
+        low, high = problem.bounds
+        assert ((flights >= low - 1e-9) & (flights <= high + 1e-9)).all()
+        sideways = flights[:, :10]
+        for k, flight in enumerate(sideways):
+            for other in sideways[:k]:
+                assert abs(flight - other).max() > LEAST_DIFFERENCE * problem.table.width
+        rng = np.random.default_rng(seed)
+        drawn = [problem.evaluate(rng.uniform(low, high))[0] for _ in range(300)]
+        assert costs[0] < min(drawn)
+
+
+def test_encodings_and_costs_have_the_same_flights():
+    scenario = rolling_terrain(1)
+    one = flight_ways(TerrainProblem(scenario), 2)
+    for options in ({"encoding": "spherical"}, {"cost": "metabox"}):
+        np.testing.assert_array_equal(flight_ways(TerrainProblem(scenario, **options), 2), one)

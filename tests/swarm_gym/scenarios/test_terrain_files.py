@@ -1,0 +1,182 @@
+"""Flights over files: threats, degrees and metres, `terrain-file:...`, and every refusal of a bad input."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
+from swarm_gym.errors import ScenarioError, SettingError
+from swarm_gym.scenarios import TerrainScenario, make_scenario
+from swarm_gym.scenarios.formats.threat_file import read_threats
+from swarm_gym.scenarios.terrain.survey import survey
+
+START, GOAL = (1500.0, 2500.0, 150.0), (4500.0, 4500.0, 120.0)
+WEST, EAST = (7.40, 46.50, 150.0), (7.48, 46.52, 150.0)
+
+pytest.importorskip("pyproj", reason="needs the extra `terrain`")
+
+
+def test_a_grid_of_metres_keeps_its_posts(tmp_path):
+    found = survey(write_asc(tmp_path / "a.asc", hill()), START, GOAL)
+    scenario = found.scenario
+    assert isinstance(scenario, TerrainScenario)
+    assert (scenario.start, scenario.goal, scenario.cell) == (START, GOAL, 50.0)
+    columns = int((scenario.origin[0] - 1025.0) / 50.0)
+    rows = int((scenario.origin[1] - 2025.0) / 50.0)
+    height, width = scenario.heights.shape
+    assert np.array_equal(scenario.heights, hill()[rows : rows + height, columns : columns + width])
+    assert found.for_user(np.array([START[:2]])).tolist() == [list(START[:2])]
+
+
+def test_degrees_become_metres_and_back(tmp_path):
+    found = survey(write_hgt(tmp_path), WEST, EAST)
+    scenario = found.scenario
+    import pyproj
+
+    *_, metres = pyproj.Geod(ellps="WGS84").inv(*WEST[:2], *EAST[:2])
+    assert math.dist(scenario.start[:2], scenario.target) == pytest.approx(metres, rel=1e-6)
+    back = found.for_user(np.array([scenario.start[:2], scenario.target]))
+    assert back == pytest.approx(np.array([WEST[:2], EAST[:2]]), abs=1e-9)
+    # The tile is a plane but for steps of a metre: 1200 metres a degree to the north and 120 to the east.
+    expected = 200 + 1200 * (EAST[1] - 46) + 120 * (EAST[0] - 7)
+    assert scenario.ground(scenario.target) == pytest.approx(expected, abs=1.5)
+    assert scenario.cell < 40.0  # posts are 93 m apart to the north and 64 m to the east
+
+
+def test_metres_with_a_reference_system_take_degrees(tmp_path):
+    import pyproj
+
+    path = write_asc(tmp_path / "a.asc", hill(), corner=(500_000.0, 5_200_000.0))
+    (tmp_path / "a.prj").write_text(pyproj.CRS("EPSG:32632").to_wkt())
+    to_degrees = pyproj.Transformer.from_crs("EPSG:32632", "EPSG:4326", always_xy=True).transform
+    start, goal = to_degrees(500_500.0, 5_200_500.0), to_degrees(503_500.0, 5_202_000.0)
+    found = survey(path, (*start, 150.0), (*goal, 150.0), coordinates="longitude-latitude")
+    assert found.scenario.start == pytest.approx((500_500.0, 5_200_500.0, 150.0), abs=1e-3)
+    assert found.for_user(np.array([found.scenario.target])) == pytest.approx(np.array([goal]), abs=1e-8)
+
+
+def test_threats_have_tops_above_the_ground_or_the_sea(tmp_path):
+    threats = write_threats(
+        tmp_path / "t.geojson",
+        (2000, 3500, {"radius": 100}),
+        (2500, 3500, {"radius": 50.5, "height": 80}),
+        (3000, 2400, {"radius": 60, "top": 700, "height": None}),
+    )
+    scenario = survey(write_asc(tmp_path / "a.asc", hill()), START, GOAL, threats=threats).scenario
+    ground = float(scenario.ground((2500.0, 3500.0)))
+    expected = [[2000, 3500, math.inf, 100], [2500, 3500, ground + 80, 50.5], [3000, 2400, 700, 60]]
+    assert scenario.threats == pytest.approx(np.array(expected))
+
+
+def test_threats_in_degrees_lie_where_they_are(tmp_path):
+    threats = write_threats(tmp_path / "t.geojson", (7.44, 46.51, {"radius": 200}), crs="EPSG:4326")
+    found = survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+    assert found.for_user(found.scenario.threats[:, :2]) == pytest.approx(np.array([[7.44, 46.51]]), abs=1e-9)
+
+
+def test_a_name_stands_for_all_of_a_task(tmp_path, monkeypatch):
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
+    write_asc(tmp_path / "a.asc", hill())
+    write_threats(tmp_path / "t.geojson", (2000, 3500, {"radius": 100}))
+    name = "terrain-file:a.asc?start=1500,2500,150&goal=4500,4500,120"
+    scenario = make_scenario(f"{name}&threats=t.geojson&altitude=90-180.5&turn=30&climb=20")
+    assert (scenario.band, scenario.largest_turn, scenario.largest_climb) == ((90.0, 180.5), 30.0, 20.0)
+    assert len(scenario.threats) == 1
+    assert make_scenario(" terrain-file:a.asc ?start=1500, 2500,150&goal=4500,4500,120 ").name == name
+    assert make_scenario(name).band == (100.0, 200.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"start": (0.0, 0.0, 150.0)}, "start 0, 0 lies outside the map"),
+        ({"goal": (7.1, 46.2, 150.0)}, "is it in another system"),
+        ({"goal": (4500.0, 4500.0, math.nan)}, "goal must be x, y and height above ground"),
+        ({"start": (1500.0, 2500.0)}, "start must be x, y and height above ground"),
+        ({"start": (1500.0, 2500.0, 20.0)}, "expected the altitude band, 100.0 to 200.0"),
+        ({"altitude": (200.0, 100.0)}, "lowest < highest"),
+        ({"largest_turn": 0.0}, "largest_turn must be a number"),
+        ({"coordinates": "longitude-latitude"}, "names no coordinate reference system"),
+        ({"threats": ((1500, 2510, {"radius": 100}),)}, "start (1500.0, 2500.0, 150.0) lies inside threat 0"),
+        ({"threats": ((2000, 3000, {}),)}, "feature 0: a threat without radius; add the property radius"),
+        ({"threats": ((2000, 3000, {"radius": 0}),)}, "radius must be positive, in metres, got 0"),
+        ({"threats": ((2000, 3000, {"radius": "9"}),)}, "radius must be a number of metres"),
+        ({"threats": ((2000, 3000, {"radius": True}),)}, "radius must be a number of metres"),
+        ({"threats": ((2000, 3000, {"radius": 9, "height": -1}),)}, "height must be positive"),
+        ({"threats": ((2000, 3000, {"radius": 9, "height": 1, "top": 9}),)}, "both height above ground"),
+        ({"gaps": [(30, 40)]}, "cells around start and goal have no data, one at x = 3025, y = 3525"),
+    ],
+)  # fmt: skip
+def test_a_bad_input_is_refused_by_value(tmp_path, options, message):
+    given = {"start": START, "goal": GOAL, **options}
+    path = write_asc(tmp_path / "a.asc", hill(), gaps=given.pop("gaps", ()))
+    if "threats" in given:
+        given["threats"] = write_threats(tmp_path / "t.geojson", *given["threats"])
+    with pytest.raises(ScenarioError, match=re.escape(message)):
+        survey(path, **given)
+
+
+def test_coordinates_of_another_kind_are_refused(tmp_path):
+    tile = write_hgt(tmp_path)
+    with pytest.raises(SettingError, match="coordinates must be one of"):
+        survey(tile, WEST, EAST, coordinates="utm")
+    with pytest.raises(ScenarioError, match="the map is in longitude and latitude"):
+        survey(tile, START, GOAL, coordinates="plane")
+    with pytest.raises(ScenarioError, match="expected longitude in"):
+        survey(tile, START, GOAL)
+    threats = write_threats(tmp_path / "t.geojson", (2000, 3000, {"radius": 9}))
+    with pytest.raises(ScenarioError, match=r"feature 0: expected longitude in .*2000, 3000"):
+        survey(tile, WEST, EAST, threats=threats)
+    threats = write_threats(tmp_path / "t.geojson", (7.44, 46.51, {"radius": 9}), crs="EPSG:32632")
+    with pytest.raises(
+        ScenarioError, match="names coordinates 'plane', and start and goal are in 'longitude-l"
+    ):
+        survey(tile, WEST, EAST, threats=threats)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "expected GeoJSON"),
+        ("[]", "expected a FeatureCollection"),
+        ('{"type": "Feature"}', "expected a FeatureCollection"),
+        ('{"type": "FeatureCollection", "features": [3]}', "feature 0: expected a Point"),
+        (
+            '{"type": "FeatureCollection", "features": [{"geometry": {"type": "LineString"}}]}',
+            "feature 0: expected a Point with a radius as threat, got 'LineString'",
+        ),
+        (
+            '{"type": "FeatureCollection", "features": [{"geometry": {"type": "Point", "coordinates": [1]}}'
+            "]}",
+            "feature 0: expected coordinates [x, y], got [1]",
+        ),
+    ],
+)
+def test_a_malformed_file_of_threats_is_refused(tmp_path, content, message):
+    path = tmp_path / "t.geojson"
+    path.write_text(content)
+    with pytest.raises(ScenarioError, match=re.escape(message)):
+        read_threats(path)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "terrain-file:a.asc",
+        "terrain-file:a.asc?start=0,0&goal=1,1",
+        "terrain-file:a.asc?start=0,0,1&goal=1,1,1&speed=3",
+        "terrain-file:a.asc?start=0,0,1&goal=1,1,1&turn=3&turn=4",
+        "terrain-file:?start=0,0,1&goal=1,1,1",
+    ],
+)
+def test_a_name_of_another_form_is_refused(name):
+    with pytest.raises(ScenarioError, match="expected"):
+        make_scenario(name)
+
+
+@pytest.mark.parametrize("part", ["altitude=100", "altitude=100-200-300", "turn=x", "climb=-3"])
+def test_a_part_of_another_form_is_refused(part):
+    with pytest.raises(ScenarioError, match="must be a text such as"):
+        make_scenario(f"terrain-file:a.asc?start=0,0,1&goal=1,1,1&{part}")
