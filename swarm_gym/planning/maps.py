@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.feature_map import read_feature_map
@@ -11,32 +13,66 @@ from swarm_gym.planning.geographic import GEOGRAPHIC, Projection
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import End, thinnest
 from swarm_gym.planning.workspace import RobotWorkspace, confined
-from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridMap,
+    GridScenario,
+    MapScenario,
+    Point,
+    Scenario,
+    make_scenario,
+)
 from swarm_gym.scenarios.formats.data_files import find_data_file
-from swarm_gym.scenarios.formats.moving_ai import read_map
-from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.moving_ai import read_graded_map, read_map
+from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
+from swarm_gym.scenarios.graded_map import GradedMap, Grading
+
+Floats = NDArray[np.float64]
 
 READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
+GRADED_READERS = {
+    ".yaml": read_graded_ros_map,
+    ".yml": read_graded_ros_map,
+    ".map": read_graded_map,
+}
+AnyMap = str | Path | AnyScenario | GridMap | GradedMap
 GEOJSON = (".geojson", ".json")
 
 
+class ReadMap(NamedTuple):
+    """A map with start and goal.
+
+    Attributes:
+        scenario: the map as it is.
+        projection: projection that it comes from; None for coordinates in a plane.
+        costs: cost of ground of each cell of a graded map, (height, width); None for another map.
+    """
+
+    scenario: MapScenario
+    projection: Projection | None = None
+    costs: Floats | None = None
+
+
 def read_any_map(
-    where: str | Path | AnyScenario,
+    where: AnyMap,
     start: Point | None,
     goal: Point | None,
     margin: float,
     workspace: RobotWorkspace | None,
     coordinates: str | None,
-) -> tuple[MapScenario, Projection | None]:
+    grading: Grading,
+) -> ReadMap:
     """Return the map with start and goal, and the projection that it comes from.
 
     Args:
-        where: a file, here or in the data folder, or a scenario or its name. A file that exists wins.
+        where: a file, here or in the data folder, a scenario or its name, or a map of cells. A file that
+            exists wins.
         start: (x, y), in the user's coordinates; a scenario has its own.
         goal: (x, y), in the user's coordinates; a scenario has its own.
         margin: distance to keep from obstacles, in map units.
         workspace: polygon that the robot stays in; None for no limit.
         coordinates: kind of the user's coordinates; None takes what the file names.
+        grading: meaning of the grades of a file.
 
     Raises:
         ScenarioError: for a file that is missing or malformed, or an end that cannot be one.
@@ -44,21 +80,46 @@ def read_any_map(
     """
     named = str(where) if isinstance(where, str | Path) else ""
     scenario: MapScenario
-    if named and is_map_file(named, (*READERS, *GEOJSON)):
+    costs: Floats | None = None
+    if isinstance(where, GridMap | GradedMap):
+        where, costs = (where, None) if isinstance(where, GridMap) else (where.grid, where.costs)
+        if start is None or goal is None:
+            raise ScenarioError(
+                f"map {shown(where.name)}: a map needs a start and a goal, (x, y) in map units"
+            )
+        _refuse_grading(grading, where.name)
+        scenario = GridScenario(where.name, where, start, goal)
+    elif named and is_map_file(named, (*READERS, *GEOJSON)):
         ending = ending_of(named)
         if start is None or goal is None:
             raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
         path = Path(named) if Path(named).is_file() else find_data_file(named)
         if ending in GEOJSON:
-            return read_feature_map(path, start, goal, margin, workspace, coordinates)
-        scenario = GridScenario(path.stem, READERS[ending](path), start, goal)
+            _refuse_grading(grading, named)
+            return ReadMap(*read_feature_map(path, start, goal, margin, workspace, coordinates))
+        if grading.is_usual:
+            grid = READERS[ending](path)
+        else:
+            read = GRADED_READERS[ending](path, grading)
+            grid, costs = read.grid, read.costs
+        scenario = GridScenario(path.stem, grid, start, goal)
     else:
         scenario = _of_name(where, start, goal)
+        _refuse_grading(grading, scenario.name)
     if coordinates == GEOGRAPHIC:
         raise SettingError(
             f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}"
         )
-    return _within(scenario, workspace, margin), None
+    return ReadMap(_within(scenario, workspace, margin), None, costs)
+
+
+def _refuse_grading(grading: Grading, name: str) -> None:
+    """Raise an error if grades are chosen for a map that no file with grades describes."""
+    if not grading.is_usual:
+        raise SettingError(
+            f"unknown, lethal, terrain: expected a file of ROS or of Moving AI, map {shown(name)} "
+            "has no grades that could be chosen; leave these options out"
+        )
 
 
 def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
