@@ -77,7 +77,10 @@ class Funnel:
 def _is_crossed(apex: Point, first: Point, end: Point, side: float) -> bool:
     """Return whether the way from the apex to the end of a door leads around the first point of a chain."""
     turn = side * _turn(apex, first, end)
-    return turn < 0.0 or (turn == 0.0 and math.dist(apex, end) >= math.dist(apex, first))
+    if turn != 0.0:
+        return turn < 0.0
+    along = (first[0] - apex[0]) * (end[0] - apex[0]) + (first[1] - apex[1]) * (end[1] - apex[1])
+    return along > 0.0 and math.dist(apex, end) >= math.dist(apex, first)
 
 
 def _turn(before: Point, here: Point, onward: Point) -> float:

@@ -58,10 +58,8 @@ def test_each_grey_means_what_map_server_documents(tmp_path, mode, negate, unkno
         row, column = divmod(grey, 128)
         is_blocked = unknown == "blocked" if value is UNKNOWN else value >= 100
         assert read.grid.blocked[row, column] == is_blocked, (grey, value)
-        if value is UNKNOWN:
-            cost = 1.0 if unknown == "dear" else 0.0
-        else:
-            cost = 0.0 if is_blocked else value / 100
+        dear = {"dear": 1.0}.get(unknown, 0.0)
+        cost = dear if value is UNKNOWN else 0.0 if is_blocked else value / 100
         assert read.costs[row, column] == pytest.approx(cost, abs=1e-12)
 
 
