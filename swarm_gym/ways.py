@@ -54,7 +54,7 @@ def planned_ways(scenario: MapScenario, most: int = NUM_WAYS) -> list[Floats]:
         from swarm_gym.reference import shortest_path  # loads what environments else do without
 
         return [shortest_path(scenario)[1]]
-    rng, inside = np.random.default_rng(0), inside_blocks(on_cells)
+    rng, inside = np.random.default_rng(0), _inside_blocks(on_cells)
     ways = [shortest_way(on_cells)]
     for _ in range(ATTEMPTS):
         if len(ways) == most:
@@ -132,7 +132,7 @@ def _on_cells(scenario: MapScenario) -> GridScenario:
     return rasterised(scenario, max(x_max - x_min, y_max - y_min) / CELLS)
 
 
-def inside_blocks(scenario: GridScenario) -> Floats:
+def _inside_blocks(scenario: GridScenario) -> Floats:
     """Return the centre of a cell of each set of connected blocked cells, (m, 2)."""
     from scipy import ndimage
 

@@ -19,7 +19,7 @@ from swarm_gym.planning.tasks import Task
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridScenario, Scenario, rasterised
-from swarm_gym.ways import differ, inside_blocks
+from swarm_gym.scenarios.growing_grids import grown_on_cells
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -57,16 +57,35 @@ class CorridorMap:
             return None
 
     @cached_property
+    def coarse_cells(self) -> GridScenario | None:
+        """The map of `cells` with fewer and larger cells, where that is possible."""
+        bare = self.task.bare
+        if isinstance(bare, GridScenario) and self.task.margin > 0.0:
+            try:
+                return grown_on_cells(bare, self.task.margin, fine=0.0)
+            except ScenarioError:
+                pass
+        return self.cells
+
+    @cached_property
     def posts(self) -> Floats:
-        """A point inside each obstacle of the map as it is given, (m, 2)."""
+        """A point deep inside each obstacle of the map as it is given, (m, 2); on cells, off the border."""
         bare = self.task.bare
         if isinstance(bare, GridScenario):
-            return inside_blocks(bare) if bare.map.blocked.any() else np.empty((0, 2))
+            return _deep_cells(bare)
         return np.array(obstacle_posts(bare.obstacles, bare.tolerance)).reshape(-1, 2)
 
     def differ(self, path: Floats, other: Floats) -> bool:
         """Return whether an obstacle lies between two paths."""
-        return differ(path, other, self.posts)
+        loop = np.concatenate([path, other[-2::-1]])
+        (x0, y0), (x1, y1) = loop[:-1, :, None].transpose(1, 0, 2), loop[1:, :, None].transpose(1, 0, 2)
+        x, y = self.posts.T
+        # How often the loop winds around a post: crossings of the ray from it to the right, upwards minus
+        # downwards.
+        left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0)
+        upwards = ((y0 <= y) & (y1 > y) & (left > 0.0)).sum(axis=0)
+        downwards = ((y0 > y) & (y1 <= y) & (left < 0.0)).sum(axis=0)
+        return bool((upwards != downwards).any())
 
     def paths(self, is_over: Callable[[], bool]) -> Iterator[Floats]:
         """Yield free paths that keep the margin, of which most lie in other corridors than those before."""
@@ -77,32 +96,59 @@ class CorridorMap:
 
     def checked(self, path: Floats) -> Floats | None:
         """Return a path over free cells as one that keeps the margin, pulled tight; None without one."""
-        grown = self.task.grown
-        if isinstance(grown, GridScenario):
+        if isinstance(self.task.given, GridScenario):
             return certified(self.task, path)
+        grown = self.task.grown
         assert isinstance(grown, Scenario)
         ends = np.vstack([grown.start, path[1:-1], grown.target])
         found = final_repair(AnalyticProblem(grown), ends)
         return None if found is None or self.differ(found.path, path) else found.path
 
-    def shortest_along(self, path: Floats) -> Floats | None:
+    def shortest_along(self, path: Floats, other: Floats) -> Floats | None:
         """Return the shortest path of the corridor of a path that need not be free; None if it has none.
 
-        Where the path is not free, the shortest way from cells before to cells behind replaces the piece.
+        Where the path is not free, the shortest way from cells before to cells behind replaces the piece. If
+        that leads into the corridor of another path, there is none.
+
+        Args:
+            path: a path.
+            other: path in the corridor to stay out of.
         """
-        if self.cells is None:
-            return None
-        grid = self.cells.map
-        steps = _steps_along(grid.blocked, grid.to_cells(path))
-        if steps is None:
-            return None
-        runs = Runs.of(grid.blocked)
-        start, goal = (
-            tuple(point) for point in grid.to_cells([self.cells.start, self.cells.target]).tolist()
-        )
-        tight = grid.to_map(runs.tightened(start, runs.rooms_of(steps), goal))
-        tight[0], tight[-1] = self.cells.start, self.cells.target
-        return self.checked(tight)
+        coarse = self._along(self.coarse_cells, path, other)
+        return coarse if coarse is not None else self._along(self.cells, path, other)
+
+    def _along(self, cells: GridScenario | None, path: Floats, other: Floats) -> Floats | None:
+        tight = None if cells is None else _tight_along(cells, path)
+        kept = None if tight is None else self.checked(tight)
+        return kept if kept is not None and self.differ(kept, other) else None
+
+
+def _deep_cells(scenario: GridScenario) -> Floats:
+    """Return the middle of the deepest cell of each obstacle that does not touch the border, (m, 2)."""
+    from scipy import ndimage
+
+    blocked = scenario.map.blocked
+    labels, number = ndimage.label(blocked, np.ones((3, 3), dtype=np.bool_))
+    on_border = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+    inner = np.setdiff1d(np.arange(1, number + 1), on_border)
+    if not inner.size:
+        return np.empty((0, 2))
+    depth = ndimage.distance_transform_cdt(blocked, "taxicab")
+    cells = np.array(ndimage.maximum_position(depth, labels, inner))
+    return scenario.map.to_map(cells.reshape(-1, 2)[:, ::-1])
+
+
+def _tight_along(cells: GridScenario, path: Floats) -> Floats | None:
+    """Return the shortest path over cells in the corridor of a path, both in map units, (k, 2)."""
+    grid = cells.map
+    steps = _steps_along(grid.blocked, grid.to_cells(path))
+    if steps is None:
+        return None
+    runs = Runs.of(grid.blocked)
+    start, goal = (tuple(end) for end in grid.to_cells([cells.start, cells.target]).tolist())
+    tight = grid.to_map(runs.tightened(start, runs.rooms_of(steps), goal))
+    tight[0], tight[-1] = cells.start, cells.target
+    return tight
 
 
 def _steps_along(blocked: NDArray[np.bool_], path: Floats) -> Integers | None:
@@ -139,8 +185,16 @@ def _free_cells_along(blocked: NDArray[np.bool_], path: Floats) -> Integers:
     return np.array(found, dtype=np.int64)
 
 
+def _is_step(blocked: NDArray[np.bool_], here: Integers, there: Integers) -> bool:
+    """Return whether a step leads from one free cell to another."""
+    (x, y), (next_x, next_y) = here, there
+    return max(abs(next_x - x), abs(next_y - y)) == 1 and not (blocked[y, next_x] or blocked[next_y, x])
+
+
 def _way_between(blocked: NDArray[np.bool_], here: Integers, there: Integers) -> Integers | None:
     """Return steps over free cells from one to another, (k, 2); None if there are none."""
+    if _is_step(blocked, here, there):
+        return np.stack([here, there])
     height, width = blocked.shape
     for reach in (NEAR, max(height, width)):
         low = np.maximum(np.minimum(here, there) - reach, 0)

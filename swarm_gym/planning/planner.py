@@ -74,8 +74,8 @@ def plan(
             (x_min, y_min, x_max, y_max), corners of a polygon, (k, 2), or a GeoJSON file with one polygon.
         coordinates: "plane" for x and y in one unit, or "longitude-latitude": planning is in metres then, and
             radius, clearance and length are; by default what a GeoJSON file names, else "plane".
-        unknown: meaning of cells that a map of ROS does not know: "blocked", "free", or "dear", free at a cost
-            of ground of 1.
+        unknown: meaning of cells that a map of ROS does not know: "blocked", "free", or "dear", free at a
+            cost of ground of 1.
         lethal: value from which cells of a map of ROS are blocked, in its scale: 100 by default, and 253,
             that of inscribed cells, on cost maps.
         terrain: cost of ground by letter on maps of Moving AI, such as {"S": 2.0}; infinite for blocked.

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.planning.certificate import is_free
 from swarm_gym.planning.corridor_map import CorridorMap
 
 Floats = NDArray[np.float64]
@@ -23,6 +24,8 @@ def kept_corridor(
 ) -> Floats | None:
     """Return the path in the corridor of a previous path to keep instead of the best path; None to take that.
 
+    It is the previous path itself while that is free and good enough, else the shortest one of its corridor.
+
     Args:
         corridors: corridors of the task.
         before: previous path, (k, 2), which need not be free now.
@@ -33,12 +36,14 @@ def kept_corridor(
     """
     if switch_margin == 0.0 or not corridors.differ(before, best):
         return None
-    along = corridors.shortest_along(before)
-    if along is None or not corridors.differ(along, best):
+    most = cost_of(best) / (1.0 - switch_margin) if switch_margin < 1.0 else math.inf
+    if is_free(corridors.task, before) and cost_of(before) <= most:
+        return before
+    along = corridors.shortest_along(before, best)
+    if along is None:
         return None
     along = bettered(along)
-    cost = cost_of(along)
-    return along if math.isfinite(cost) and cost_of(best) >= (1.0 - switch_margin) * cost else None
+    return along if cost_of(along) <= most else None
 
 
 def rest_of(path: Floats, start: tuple[float, float]) -> Floats:

@@ -1,4 +1,4 @@
-"""The oracle of alternatives: exact shortest paths by the sides on which they pass obstacles, with shapely."""
+"""The oracle of alternatives: exact shortest paths by the sides of obstacles, with shapely."""
 
 import heapq
 import itertools
