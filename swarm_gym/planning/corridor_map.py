@@ -28,6 +28,7 @@ CELLS = 400  # on the longer side of a map of circles and polygons
 AROUND = 0.1  # how far paths may leave the workspace of such a map, as a share of its longer side
 SAMPLES = 4  # points per cell of a path that is laid over cells
 BESIDE = 1e-6  # how far from a border between cells a point may lie in either of them
+MOST_POSTS = 1000  # that are compared with a path at a time
 NEAR = 16  # cells around a gap in which a way between its ends is looked for first
 
 
@@ -78,14 +79,11 @@ class CorridorMap:
     def differ(self, path: Floats, other: Floats) -> bool:
         """Return whether an obstacle lies between two paths."""
         loop = np.concatenate([path, other[-2::-1]])
-        (x0, y0), (x1, y1) = loop[:-1, :, None].transpose(1, 0, 2), loop[1:, :, None].transpose(1, 0, 2)
-        x, y = self.posts.T
-        # How often the loop winds around a post: crossings of the ray from it to the right, upwards minus
-        # downwards.
-        left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0)
-        upwards = ((y0 <= y) & (y1 > y) & (left > 0.0)).sum(axis=0)
-        downwards = ((y0 > y) & (y1 <= y) & (left < 0.0)).sum(axis=0)
-        return bool((upwards != downwards).any())
+        inside = ((self.posts >= loop.min(axis=0)) & (self.posts <= loop.max(axis=0))).all(axis=1)
+        near = self.posts[inside]
+        return any(
+            _winds_around(loop, near[first : first + MOST_POSTS]) for first in range(0, len(near), MOST_POSTS)
+        )
 
     def paths(self, is_over: Callable[[], bool]) -> Iterator[Floats]:
         """Yield free paths that keep the margin, of which most lie in other corridors than those before."""
@@ -121,6 +119,17 @@ class CorridorMap:
         tight = None if cells is None else _tight_along(cells, path)
         kept = None if tight is None else self.checked(tight)
         return kept if kept is not None and self.differ(kept, other) else None
+
+
+def _winds_around(loop: Floats, posts: Floats) -> bool:
+    """Return whether a closed polyline, (k, 2), winds around one of some points, (m, 2)."""
+    (x0, y0), (x1, y1) = loop[:-1, :, None].transpose(1, 0, 2), loop[1:, :, None].transpose(1, 0, 2)
+    x, y = posts.T
+    # Crossings of the ray from a post to the right, upwards minus downwards.
+    left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0)
+    upwards = ((y0 <= y) & (y1 > y) & (left > 0.0)).sum(axis=0)
+    downwards = ((y0 > y) & (y1 <= y) & (left < 0.0)).sum(axis=0)
+    return bool((upwards != downwards).any())
 
 
 def _deep_cells(scenario: GridScenario) -> Floats:

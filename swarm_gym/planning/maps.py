@@ -78,31 +78,22 @@ def read_any_map(
         ScenarioError: for a file that is missing or malformed, or an end that cannot be one.
         SettingError: for a workspace or coordinates that the map cannot have.
     """
-    named = str(where) if isinstance(where, str | Path) else ""
     scenario: MapScenario
     costs: Floats | None = None
-    if isinstance(where, GridMap | GradedMap):
-        where, costs = (where, None) if isinstance(where, GridMap) else (where.grid, where.costs)
+    if not isinstance(where, GridMap | GradedMap) and _is_file(where):
         if start is None or goal is None:
-            raise ScenarioError(
-                f"map {shown(where.name)}: a map needs a start and a goal, (x, y) in map units"
-            )
-        _refuse_grading(grading, where.name)
-        scenario = GridScenario(where.name, where, start, goal)
-    elif named and is_map_file(named, (*READERS, *GEOJSON)):
-        ending = ending_of(named)
-        if start is None or goal is None:
-            raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
-        path = Path(named) if Path(named).is_file() else find_data_file(named)
-        if ending in GEOJSON:
-            _refuse_grading(grading, named)
+            raise ScenarioError(f"map {str(where)!r}: a file needs a start and a goal, (x, y) in map units")
+        if ending_of(str(where)) in GEOJSON:
+            _refuse_grading(grading, str(where))
+            path = _path_of(where)
             return ReadMap(*read_feature_map(path, start, goal, margin, workspace, coordinates))
-        if grading.is_usual:
-            grid = READERS[ending](path)
-        else:
-            read = GRADED_READERS[ending](path, grading)
-            grid, costs = read.grid, read.costs
-        scenario = GridScenario(path.stem, grid, start, goal)
+        where, grading = read_cells(where, grading), Grading()
+    if isinstance(where, GridMap | GradedMap):
+        grid, costs = (where, None) if isinstance(where, GridMap) else (where.grid, where.costs)
+        if start is None or goal is None:
+            raise ScenarioError(f"map {shown(grid.name)}: expected a start and a goal, (x, y) in map units")
+        _refuse_grading(grading, grid.name)
+        scenario = GridScenario(grid.name, grid, start, goal)
     else:
         scenario = _of_name(where, start, goal)
         _refuse_grading(grading, scenario.name)
@@ -111,6 +102,32 @@ def read_any_map(
             f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}"
         )
     return ReadMap(_within(scenario, workspace, margin), None, costs)
+
+
+def read_cells(where: AnyMap, grading: Grading) -> AnyMap:
+    """Return the map of cells in a file; what is no such file is returned as it is.
+
+    Args:
+        where: a file, here or in the data folder, or any other map.
+        grading: meaning of the grades of a file.
+
+    Raises:
+        ScenarioError: for a file that is missing or malformed.
+        SettingError: for grades that the map cannot have.
+    """
+    if isinstance(where, GridMap | GradedMap) or not _is_file(where) or ending_of(str(where)) in GEOJSON:
+        return where
+    ending, path = ending_of(str(where)), _path_of(where)
+    return READERS[ending](path) if grading.is_usual else GRADED_READERS[ending](path, grading)
+
+
+def _is_file(where: str | Path | AnyScenario) -> bool:
+    """Return whether a map is named by a file that is read here."""
+    return isinstance(where, str | Path) and is_map_file(str(where), (*READERS, *GEOJSON))
+
+
+def _path_of(where: str | Path | AnyScenario) -> Path:
+    return Path(str(where)) if Path(str(where)).is_file() else find_data_file(str(where))
 
 
 def _refuse_grading(grading: Grading, name: str) -> None:

@@ -101,18 +101,33 @@ class PlanningRun:
         if request.previous is not None or request.alternatives > 1:
             seconds = time.monotonic() - self._began
         alternatives = [self._best, *others[: request.alternatives - 1]] if request.alternatives > 1 else []
+        stopped = stopped or self._is_stopped()
         return self._plan(seconds, stopped, known, tuple(map(self._alternative, alternatives)))
 
     def best_so_far(self) -> Plan | None:
         """Return the best path so far, or the previous one if it is free; None without any of these.
 
-        The gap is unknown then, and there are no alternatives.
+        Gap, clearance and corridor are unknown then, and there are no alternatives.
         """
         if not self.improvements:
             if self._before is None or not is_free(self._task, self._before):
                 return None
             self._keep(self._before, "previous path")
-        return self._plan(time.monotonic() - self._began, True, None, ())
+        best = self.improvements[-1]
+        return Plan(
+            self._task.given,
+            self._task.for_user(best.path),
+            best.length,
+            math.nan,
+            self.evaluations,
+            time.monotonic() - self._began,
+            None,
+            best.found_by,
+            True,
+            self._for_user(),
+            self._task.projection,
+            {"length": best.length},
+        )
 
     @property
     def _best(self) -> Floats:
@@ -181,6 +196,9 @@ class PlanningRun:
             self._task.for_user(kept.path), kept.length, self._clearance(path), self._costs(path)
         )
 
+    def _for_user(self) -> tuple[Improvement, ...]:
+        return tuple(replace(one, path=self._task.for_user(one.path)) for one in self.improvements)
+
     def _plan(
         self,
         seconds: float,
@@ -201,7 +219,7 @@ class PlanningRun:
             gap,
             best.found_by,
             stopped,
-            tuple(replace(one, path=task.for_user(one.path)) for one in self.improvements),
+            self._for_user(),
             task.projection,
             self._costs(path),
             None if self._before is None else self._corridors.differ(self._before, path),

@@ -38,7 +38,8 @@ class Plan:
         map: the map as it was given, with start and goal; in metres for longitude and latitude.
         path: (k, 2) points from start to goal, in the coordinates of the map's file.
         length: length of the path, in map units: those of the file, or metres for longitude and latitude.
-        clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
+        clearance: least distance of the path from an obstacle, in map units; infinite without obstacles, and
+            NaN where it is unknown, as when a `Planner` runs out of time.
         evaluations: evaluations of the optimizer, and those of final repairs.
         seconds: time that planning took, without that of `gap`.
         gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
@@ -48,7 +49,7 @@ class Plan:
             shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; "previous
             path" if nothing was shorter than that path after its repair; the last three with " and planner"
             if pieces of the path were planned anew.
-        stopped: whether Ctrl-C ended planning.
+        stopped: whether Ctrl-C, a `Planner`'s time limit or its cancelling ended planning.
         improvements: the paths that were the best one in turn, the last of which is `path`.
         projection: projection from longitude and latitude to metres; None for coordinates in a plane.
         costs: length, the integral of each wish and their sum, by name; the length alone without wishes.

@@ -60,4 +60,6 @@ def rest_of(path: Floats, start: tuple[float, float]) -> Floats:
     share = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=squares > 0.0), 0.0, 1.0)
     feet = begins + share[:, None] * changes
     k = int(np.argmin(np.hypot(*(feet - start).T)))
-    return np.vstack([start, feet[k : k + 1], points[k + 1 :]])
+    rest = np.vstack([start, feet[k : k + 1], points[k + 1 :]])
+    is_new = np.append(True, (np.diff(rest[:-1], axis=0) != 0.0).any(axis=1))
+    return np.vstack([rest[:-1][is_new & (rest[:-1] != rest[-1]).any(axis=1)], rest[-1]])
