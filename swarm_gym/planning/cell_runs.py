@@ -47,16 +47,20 @@ class Runs:
         return cls(number, row.astype(np.int32), first.astype(np.int32), last.astype(np.int32))
 
     @cached_property
-    def neighbours(self) -> list[list[int]]:
-        """Numbers of the runs that share a door with each run."""
+    def neighbours(self) -> tuple[list[int], list[int]]:
+        """Numbers of the runs beside each run, one run after the other, and where those of each begin.
+
+        Flat lists, since many small ones keep the garbage collector busy.
+        """
         above, below = self.number[:-1], self.number[1:]
         both = (above >= 0) & (below >= 0)
-        pairs = np.unique(np.stack([above[both], below[both]], axis=-1), axis=0)
-        found: list[list[int]] = [[] for _ in range(len(self.row))]
-        for one, other in pairs.tolist():
-            found[one].append(other)
-            found[other].append(one)
-        return found
+        pairs = np.stack([above[both], below[both]], axis=-1)
+        # The columns of a door lie side by side, so that equal pairs follow each other.
+        pairs = pairs[np.append(True, (np.diff(pairs, axis=0) != 0).any(axis=1))[: len(pairs)]]
+        begins, ends = np.concatenate([pairs, pairs[:, ::-1]]).T
+        order = np.argsort(begins, kind="stable")
+        first = np.concatenate([[0], np.cumsum(np.bincount(begins, minlength=len(self.row)))])
+        return ends[order].tolist(), first.tolist()
 
     def door(self, run: int, onward: int) -> tuple[Point, Point]:
         """Return the left and the right end of the door from one run to another, with rows upwards."""

@@ -7,7 +7,6 @@ themselves, as those that wind around an obstacle and come back, are left out.
 
 import heapq
 import math
-from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count, pairwise
@@ -155,24 +154,28 @@ def _chains(runs: Runs, ends: list[int]) -> dict[int, list[Chain]]:
     Junctions are the rooms of the ends, and rooms with three doors and more that lead on. Dead ends are left
     out: a shortest path does not enter them.
     """
-    leads = [set(rooms) for rooms in runs.neighbours]
-    kept = set(ends)
-    waiting = deque(room for room in range(len(leads)) if len(leads[room]) == 1 and room not in kept)
+    others, first = runs.neighbours
+    degrees = [first[room + 1] - first[room] for room in range(len(runs.row))]
+    waiting = [room for room, degree in enumerate(degrees) if degree == 1 and room not in ends]
     while waiting:
-        room = waiting.popleft()
-        if len(leads[room]) != 1:
-            continue
-        (onward,) = leads[room]
-        leads[room].clear()
-        leads[onward].discard(room)
-        if len(leads[onward]) == 1 and onward not in kept:
-            waiting.append(onward)
-    junctions = {room for room in range(len(leads)) if len(leads[room]) > 2} | kept
+        room = waiting.pop()
+        degrees[room] = 0
+        for onward in others[first[room] : first[room + 1]]:
+            if degrees[onward] > 0:
+                degrees[onward] -= 1
+                if degrees[onward] == 1 and onward not in ends:
+                    waiting.append(onward)
+    junctions = {room for room, degree in enumerate(degrees) if degree > 2} | set(ends)
+
+    def leading_on(room: int) -> list[int]:
+        return [onward for onward in others[first[room] : first[room + 1]] if degrees[onward] > 0]
+
     chains: dict[int, list[Chain]] = {}
-    for junction in junctions:
-        for onward in sorted(leads[junction]):
+    for junction in sorted(junctions):
+        for onward in leading_on(junction):
             chain = [junction, onward]
             while chain[-1] not in junctions:
-                chain.append(next(room for room in leads[chain[-1]] if room != chain[-2]))
+                one, *more = leading_on(chain[-1])
+                chain.append(more[0] if one == chain[-2] else one)
             chains.setdefault(junction, []).append(chain)
     return chains
