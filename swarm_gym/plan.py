@@ -17,11 +17,15 @@ from typing import Any
 from swarm_gym.command import NumberParser, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.flights import command_line
-from swarm_gym.planning.planner import PLANNERS, plan
+from swarm_gym.planning.planner import plan
 from swarm_gym.planning.previous import read_previous
+from swarm_gym.planning.request import PLANNERS
 from swarm_gym.planning.result import Plan
+from swarm_gym.planning.steady import SWITCH_MARGIN
+from swarm_gym.planning.wishes import WISHES
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
 from swarm_gym.scenarios.formats.geographic import COORDINATES
+from swarm_gym.scenarios.graded_map import UNKNOWN_CELLS
 
 INVALID, NO_PATH = 2, 3  # exit statuses
 
@@ -29,6 +33,8 @@ EXAMPLES = """examples:
   python -m swarm_gym.plan --map case2 --output path.csv
   python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8.5,3 --robot-radius 0.2 --output path.yaml
   python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
+  python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8,3 --unknown dear --wishes distance=2
+  python -m swarm_gym.plan --map case2 --alternatives 3 --output paths.geojson
   python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,9,5 --output path.csv
 
 Over terrain (.tif, .asc, .hgt, or a scenario such as terrain:test:0) it plans a flight, with other options:
@@ -64,11 +70,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 previous=None if options.previous is None else read_previous(options.previous),
                 workspace=options.workspace,
                 coordinates=options.coordinates,
+                unknown=options.unknown,
+                lethal=options.lethal,
+                terrain=options.terrain,
+                wishes=options.wishes,
+                alternatives=options.alternatives,
+                switch_margin=options.switch_margin,
             )
         print(_described(found))
         if options.output:
-            write_plan(found, *options.output)
-            print(f"written to {', '.join(map(str, options.output))}")
+            written = write_plan(found, *options.output)
+            print(f"written to {', '.join(map(str, written))}")
     except NoPathError as error:
         print(f"no path: {error}", file=sys.stderr)
         return NO_PATH
@@ -122,6 +134,40 @@ def _parser() -> argparse.ArgumentParser:
         help="kind of the coordinates of a .geojson file; with longitude-latitude, radius, clearance and "
         "length are in metres (default: what the file names, else plane)",
     )
+    parser.add_argument(
+        "--unknown",
+        choices=UNKNOWN_CELLS,
+        default=UNKNOWN_CELLS[0],
+        help="what cells are that a map of ROS does not know; dear: free at a cost of ground of 1 "
+        "(default: blocked)",
+    )
+    parser.add_argument(
+        "--lethal",
+        type=int,
+        metavar="V",
+        help="value from which cells of a map of ROS are blocked (default: 100, on cost maps 253)",
+    )
+    parser.add_argument(
+        "--terrain",
+        type=_weights,
+        metavar="LETTER=COST,...",
+        help="cost of ground by letter on a map of Moving AI, e.g. S=2,W=inf; inf blocks (default: letters "
+        "are free or blocked)",
+    )
+    parser.add_argument(
+        "--wishes",
+        type=_weights,
+        metavar="NAME=WEIGHT,...",
+        help=f"what the path shall keep low besides its length, of {', '.join(WISHES)}; e.g. distance=2 "
+        "(default: ground=1 on maps with grades, else nothing)",
+    )
+    parser.add_argument(
+        "--alternatives",
+        type=int,
+        default=1,
+        metavar="K",
+        help="number of paths, at most, no two through the same corridor (default: 1)",
+    )
     parser.add_argument("--optimizer", help="name of the optimizer; by default one that suits the map")
     parser.add_argument(
         "--controller", help="name of the controller; by default one that suits the optimizer"
@@ -140,14 +186,41 @@ def _parser() -> argparse.ArgumentParser:
         help="path from before the map changed, from which planning goes on: a .csv file of --output",
     )
     parser.add_argument(
+        "--switch-margin",
+        type=float,
+        default=SWITCH_MARGIN,
+        metavar="SHARE",
+        help="share by which a path in another corridor than --previous must be better; 0 takes the best "
+        f"path (default: {SWITCH_MARGIN:g})",
+    )
+    parser.add_argument(
         "--output",
         type=Path,
         action="append",
         default=[],
         metavar="FILE",
-        help=f"file for the path; its ending says how: {', '.join(FORMATS)}; may be given several times",
+        help=f"file for the path; its ending says how: {', '.join(FORMATS)}; may be given several times; "
+        "alternatives go to files numbered from -2 on, or all into one .geojson",
     )
     return parser
+
+
+def _weights(text: str) -> dict[str, float]:
+    """Return the numbers of an argument `name=number,...` by name.
+
+    Raises:
+        argparse.ArgumentTypeError: for any other text.
+    """
+    found = {}
+    for part in text.split(","):
+        name, _, number = part.partition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(
+                f"expected name=number, e.g. distance=2, got {part!r}"
+            ) from error
+    return found
 
 
 def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | None, float | None]:
@@ -185,6 +258,12 @@ def _described(found: Plan) -> str:
         f"seconds      {found.seconds:.3f}",
         f"found by     {found.found_by}",
     ]
+    lines += [f"{name:<12} {cost:.6g}" for name, cost in found.costs.items() if name != "length"]
+    if found.switched is not None:
+        lines.append(f"{'corridor':<12} {'another one' if found.switched else 'that of the previous path'}")
+    for number, other in enumerate(found.alternatives[1:], 2):
+        costs = ", ".join(f"{name} {value:.6g}" for name, value in other.costs.items())
+        lines.append(f"{f'path {number}':<12} {costs}, clearance {other.clearance:.6g}")
     return "\n".join(["stopped by Ctrl-C", *lines] if found.stopped else lines)
 
 

@@ -6,9 +6,10 @@ from numpy.typing import NDArray
 from swarm_gym.errors import ScenarioError
 from swarm_gym.planning.tasks import Task
 from swarm_gym.problem.geometry.clearance import keeps_distance
-from swarm_gym.problem.geometry.polylines import length_of
+from swarm_gym.problem.geometry.polylines import is_clear, length_of
+from swarm_gym.problem.geometry.traversal import path_is_free
 from swarm_gym.reference import shortest_robot_path
-from swarm_gym.scenarios import GridScenario
+from swarm_gym.scenarios import GridScenario, Scenario
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +30,20 @@ def certified(task: Task, path: Floats) -> Floats | None:
     if not _keeps_margin(task, mended):
         mended = _begun_anew(task, mended[::-1])[::-1]
     return mended if _keeps_margin(task, mended) else None
+
+
+def is_free(task: Task, path: Floats) -> bool:
+    """Return whether a path in the frame, (k, 2), keeps the margin, or enters nothing blocked without one."""
+    if isinstance(task.given, GridScenario):
+        grid = task.given.map
+        cells = grid.to_cells(path)
+        if task.margin == 0.0:
+            return bool(path_is_free(grid.blocked, cells))
+        edge = (grid.width - 0.5, grid.height - 0.5)
+        on_map = (cells >= -0.5 - TOUCHING).all() and (cells <= np.add(edge, TOUCHING)).all()
+        return bool(on_map) and _keeps_margin(task, path)
+    assert isinstance(task.grown, Scenario)
+    return is_clear(path, task.grown.solids, task.grown.tolerance)
 
 
 def _keeps_margin(task: Task, path: Floats) -> bool:

@@ -2,63 +2,141 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import End, thinnest
 from swarm_gym.planning.workspace import RobotWorkspace, confined
-from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridMap,
+    GridScenario,
+    MapScenario,
+    Point,
+    Scenario,
+    make_scenario,
+)
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, Projection
-from swarm_gym.scenarios.formats.moving_ai import read_map
-from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.moving_ai import read_graded_map, read_map
+from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
+from swarm_gym.scenarios.graded_map import GradedMap, Grading
+
+Floats = NDArray[np.float64]
 
 READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
+GRADED_READERS = {
+    ".yaml": read_graded_ros_map,
+    ".yml": read_graded_ros_map,
+    ".map": read_graded_map,
+}
+AnyMap = str | Path | AnyScenario | GridMap | GradedMap
 GEOJSON = (".geojson", ".json")
 
 
+class ReadMap(NamedTuple):
+    """A map with start and goal.
+
+    Attributes:
+        scenario: the map as it is.
+        projection: projection that it comes from; None for coordinates in a plane.
+        costs: cost of ground of each cell of a graded map, (height, width); None for another map.
+    """
+
+    scenario: MapScenario
+    projection: Projection | None = None
+    costs: Floats | None = None
+
+
 def read_any_map(
-    where: str | Path | AnyScenario,
+    where: AnyMap,
     start: Point | None,
     goal: Point | None,
     margin: float,
     workspace: RobotWorkspace | None,
     coordinates: str | None,
-) -> tuple[MapScenario, Projection | None]:
+    grading: Grading,
+) -> ReadMap:
     """Return the map with start and goal, and the projection that it comes from.
 
     Args:
-        where: a file, here or in the data folder, or a scenario or its name. A file that exists wins.
+        where: a file, here or in the data folder, a scenario or its name, or a map of cells. A file that
+            exists wins.
         start: (x, y), in the user's coordinates; a scenario has its own.
         goal: (x, y), in the user's coordinates; a scenario has its own.
         margin: distance to keep from obstacles, in map units.
         workspace: polygon that the robot stays in; None for no limit.
         coordinates: kind of the user's coordinates; None takes what the file names.
+        grading: meaning of the grades of a file.
 
     Raises:
         ScenarioError: for a file that is missing or malformed, or an end that cannot be one.
         SettingError: for a workspace or coordinates that the map cannot have.
     """
-    named = str(where) if isinstance(where, str | Path) else ""
     scenario: MapScenario
-    if named and is_map_file(named, (*READERS, *GEOJSON)):
-        ending = ending_of(named)
+    costs: Floats | None = None
+    if not isinstance(where, GridMap | GradedMap) and _is_file(where):
         if start is None or goal is None:
-            raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
-        path = Path(named) if Path(named).is_file() else find_data_file(named)
-        if ending in GEOJSON:
-            return read_feature_map(path, start, goal, margin, workspace, coordinates)
-        scenario = GridScenario(path.stem, READERS[ending](path), start, goal)
+            raise ScenarioError(f"map {str(where)!r}: a file needs a start and a goal, (x, y) in map units")
+        if ending_of(str(where)) in GEOJSON:
+            _refuse_grading(grading, str(where))
+            path = _path_of(where)
+            return ReadMap(*read_feature_map(path, start, goal, margin, workspace, coordinates))
+        where, grading = read_cells(where, grading), Grading()
+    if isinstance(where, GridMap | GradedMap):
+        grid, costs = (where, None) if isinstance(where, GridMap) else (where.grid, where.costs)
+        if start is None or goal is None:
+            raise ScenarioError(f"map {shown(grid.name)}: expected a start and a goal, (x, y) in map units")
+        _refuse_grading(grading, grid.name)
+        scenario = GridScenario(grid.name, grid, start, goal)
     else:
         scenario = _of_name(where, start, goal)
+        _refuse_grading(grading, scenario.name)
     if coordinates == GEOGRAPHIC:
         raise SettingError(
             f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}"
         )
-    return _within(scenario, workspace, margin), None
+    return ReadMap(_within(scenario, workspace, margin), None, costs)
+
+
+def read_cells(where: AnyMap, grading: Grading) -> AnyMap:
+    """Return the map of cells in a file; what is no such file is returned as it is.
+
+    Args:
+        where: a file, here or in the data folder, or any other map.
+        grading: meaning of the grades of a file.
+
+    Raises:
+        ScenarioError: for a file that is missing or malformed.
+        SettingError: for grades that the map cannot have.
+    """
+    if isinstance(where, GridMap | GradedMap) or not _is_file(where) or ending_of(str(where)) in GEOJSON:
+        return where
+    ending, path = ending_of(str(where)), _path_of(where)
+    return READERS[ending](path) if grading.is_usual else GRADED_READERS[ending](path, grading)
+
+
+def _is_file(where: str | Path | AnyScenario) -> bool:
+    """Return whether a map is named by a file that is read here."""
+    return isinstance(where, str | Path) and is_map_file(str(where), (*READERS, *GEOJSON))
+
+
+def _path_of(where: str | Path | AnyScenario) -> Path:
+    return Path(str(where)) if Path(str(where)).is_file() else find_data_file(str(where))
+
+
+def _refuse_grading(grading: Grading, name: str) -> None:
+    """Raise an error if grades are chosen for a map that no file with grades describes."""
+    if not grading.is_usual:
+        raise SettingError(
+            f"unknown, lethal, terrain: expected a file of ROS or of Moving AI, map {shown(name)} "
+            "has no grades that could be chosen; leave these options out"
+        )
 
 
 def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:

@@ -1,28 +1,24 @@
-"""The planner: the exact shortest path where it is quickly known, else the best free path of a swarm."""
+"""The planner as a function: the best free path on a map, and others through other corridors."""
 
-import math
 import time
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from swarm_gym.checks import require_integer, require_number
-from swarm_gym.errors import NoPathError, SettingError
-from swarm_gym.planning.certificate import certified
-from swarm_gym.planning.previous import require_previous
+from swarm_gym.checks import require_number
+from swarm_gym.planning.maps import AnyMap
+from swarm_gym.planning.planning_run import PlanningRun
+from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
-from swarm_gym.planning.search import EPISODES, Search, improvement_of
+from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.tasks import read_task
-from swarm_gym.problem.geometry.clearance import clearance_of
-from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import AnyScenario, Point
-
-PLANNERS = ("auto", "swarm")
+from swarm_gym.scenarios import Point
+from swarm_gym.scenarios.graded_map import Grading
 
 
 def plan(
-    where: str | Path | AnyScenario,
+    where: AnyMap,
     start: Point | None = None,
     goal: Point | None = None,
     *,
@@ -37,6 +33,12 @@ def plan(
     previous: ArrayLike | None = None,
     workspace: str | Path | ArrayLike | None = None,
     coordinates: str | None = None,
+    unknown: str = "blocked",
+    lethal: int | None = None,
+    terrain: Mapping[str, float] | None = None,
+    wishes: Mapping[str, float] | None = None,
+    alternatives: int = 1,
+    switch_margin: float = SWITCH_MARGIN,
 ) -> Plan:
     """Return a short free path from start to goal.
 
@@ -47,10 +49,15 @@ def plan(
     With a longer budget the path is never longer. On grid maps, swarms begin around a path of A*: the first
     around the shortest one, the others around paths that a block somewhere on the best path so far leaves.
     A swarm goes on from a previous path: its repair is kept first, and on grid maps the first swarm begins
-    around it. Where the exact path is the result, a previous path changes nothing.
+    around it. A path in another corridor than the previous one, that is on another side of an obstacle, is
+    taken only if it is better by `switch_margin`.
+
+    Grades of a map and wishes make the least sum of wishes the aim, see `swarm_gym.planning.wishes`. The
+    exact planner and swarms know the length only: a search over cells, improved locally, plans then.
 
     Args:
-        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, or its name.
+        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, its name, a
+            `GridMap` or a `GradedMap`.
         start: (x, y) in the coordinates of the map; a scenario has its own.
         goal: (x, y) in the coordinates of the map; a scenario has its own.
         robot_radius: radius of the robot, in map units.
@@ -67,62 +74,41 @@ def plan(
             (x_min, y_min, x_max, y_max), corners of a polygon, (k, 2), or a GeoJSON file with one polygon.
         coordinates: "plane" for x and y in one unit, or "longitude-latitude": planning is in metres then, and
             radius, clearance and length are; by default what a GeoJSON file names, else "plane".
+        unknown: meaning of cells that a map of ROS does not know: "blocked", "free", or "dear", free at a
+            cost of ground of 1.
+        lethal: value from which cells of a map of ROS are blocked, in its scale: 100 by default, and 253,
+            that of inscribed cells, on cost maps.
+        terrain: cost of ground by letter on maps of Moving AI, such as {"S": 2.0}; infinite for blocked.
+        wishes: weights by name of what the path shall keep low besides its length: "ground", the cost of
+            ground, and "distance", a cost of nearness to obstacles; by default {"ground": 1.0} on graded
+            maps.
+        alternatives: number of paths to return in `Plan.alternatives`, at most; no two lead through the same
+            corridor.
+        switch_margin: share of its cost by which a path in another corridor must be better than the best one
+            in the corridor of `previous`; 0 takes the best path anyway.
 
     Raises:
         ScenarioError: for a map, start or goal that is invalid.
-        SettingError: for another value that is invalid.
+        SettingError: for another value that is invalid, or that the map cannot have.
+        UnknownNameError: for a wish of another name.
         NoPathError: if there is no path, or none was found within the budget.
         MissingExtraError: if the map needs a library that is missing.
     """
     require_number("robot_radius", robot_radius, 0.0, 1e9)
     require_number("clearance", clearance, 0.0, 1e9)
-    require_integer("seed", seed, 0, 2**31)
-    if planner not in PLANNERS:
-        raise SettingError(f"planner: expected {' or '.join(PLANNERS)}, got {planner!r:.80}")
-    if max_seconds is not None:
-        require_number("max_seconds", max_seconds, 1e-3, 1e9)
-    if max_evaluations is not None:
-        require_integer("max_evaluations", max_evaluations, 1)
-    began = time.monotonic()
-    task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates)
-    before = None if previous is None else require_previous(previous, task)
-    exact = task.shortest if planner == "auto" else None
-    improvements = [] if exact is None else [improvement_of(task, exact[1], "exact planner", began)]
-    evaluations, stopped = 0, False
-    if exact is None or optimizer is not None or controller is not None:
-        search = Search(task, optimizer, controller, seed, began, improvements)
-        if before is not None:
-            search.begin_with(task.frame.to_frame(before))
-        stopped = search.run_until(
-            math.inf if max_evaluations is None else max_evaluations,
-            math.inf if max_seconds is None else began + max_seconds,
-            math.inf if max_evaluations or max_seconds else EPISODES,
-        )
-        evaluations = search.evaluations
-    if not improvements and planner == "auto":
-        stand_in = certified(task, shortest_path(task.grown)[1])
-        if stand_in is not None:
-            improvements.append(improvement_of(task, stand_in, "exact planner", began))
-    seconds = time.monotonic() - began
-    known = task.shortest  # says so where there is no path at all
-    if not improvements:
-        raise NoPathError(
-            f"no free path found on {task.given.name!r} with {evaluations:,} evaluations in {seconds:.2f} "
-            "seconds; a larger budget, or `planner='auto'`, may help"
-        )
-    best = improvements[-1]
-    gap = None if known is None else task.frame.factor * best.length / known[0] - 1.0
-    least = clearance_of(task.bare, task.frame.to_frame(best.path)) / task.frame.factor
-    return Plan(
-        task.given,
-        task.for_user(best.path),
-        best.length,
-        least,
-        evaluations,
-        seconds,
-        gap,
-        best.found_by,
-        stopped,
-        tuple(replace(one, path=task.for_user(one.path)) for one in improvements),
-        task.projection,
+    request = Request(
+        planner,
+        optimizer,
+        controller,
+        max_evaluations,
+        max_seconds,
+        seed,
+        previous,
+        switch_margin,
+        alternatives,
+        wishes,
     )
+    grading = Grading(unknown, lethal, terrain)
+    began = time.monotonic()
+    task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates, grading)
+    return PlanningRun(task, request, began, lambda: False).run()

@@ -1,10 +1,12 @@
 """The result of planning: a free path, and the paths that were the shortest one before it."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.planning.alternatives import Alternative
 from swarm_gym.scenarios import MapScenario
 from swarm_gym.scenarios.formats.geographic import Projection
 
@@ -36,17 +38,24 @@ class Plan:
         map: the map as it was given, with start and goal; in metres for longitude and latitude.
         path: (k, 2) points from start to goal, in the coordinates of the map's file.
         length: length of the path, in map units: those of the file, or metres for longitude and latitude.
-        clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
+        clearance: least distance of the path from an obstacle, in map units; infinite without obstacles, and
+            NaN where it is unknown, as when a `Planner` runs out of time.
         evaluations: evaluations of the optimizer, and those of final repairs.
         seconds: time that planning took, without that of `gap`.
         gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
             None where it is unknown.
-        found_by: "exact planner"; "swarm"; "guide" if nothing was shorter than the path of A*, pulled tight,
-            around which a swarm begins on a grid map; "previous path" if nothing was shorter than that path
-            after its repair; the last three with " and planner" if pieces of the path were planned anew.
-        stopped: whether Ctrl-C ended planning.
-        improvements: the paths that were the shortest one in turn, the last of which is `path`.
+        found_by: "exact planner"; "wishes" for the least sum of wishes that was found; "previous corridor" if
+            the best path in another corridor is not better by the margin; "swarm"; "guide" if nothing was
+            shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; "previous
+            path" if nothing was shorter than that path after its repair; the last three with " and planner"
+            if pieces of the path were planned anew.
+        stopped: whether Ctrl-C, a `Planner`'s time limit or its cancelling ended planning.
+        improvements: the paths that were the best one in turn, the last of which is `path`.
         projection: projection from longitude and latitude to metres; None for coordinates in a plane.
+        costs: length, the integral of each wish and their sum, by name; the length alone without wishes.
+        switched: whether an obstacle lies between the path and the previous one; None without one.
+        alternatives: paths of which no two lead through the same corridor, this one first; empty unless more
+            than one was asked for.
     """
 
     map: MapScenario
@@ -60,6 +69,9 @@ class Plan:
     stopped: bool = False
     improvements: tuple[Improvement, ...] = ()
     projection: Projection | None = None
+    costs: Mapping[str, float] = field(default_factory=dict)
+    switched: bool | None = None
+    alternatives: tuple[Alternative, ...] = ()
 
     @property
     def path_on_map(self) -> Floats:

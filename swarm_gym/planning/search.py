@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -79,19 +80,27 @@ class Search:
         """Keep the repair of a path, (k, 2), in the frame; the first swarm begins around it."""
         self._keep(path, "previous path")
 
-    def run_until(self, most_evaluations: float, limit: float, most_episodes: float) -> bool:
+    def run_until(
+        self,
+        most_evaluations: float,
+        limit: float,
+        most_episodes: float,
+        is_stopped: Callable[[], bool] = lambda: False,
+    ) -> bool:
         """Run episodes until a budget is spent; return whether Ctrl-C ended them.
 
         Args:
             most_evaluations: evaluations after which no further episode begins.
             limit: time of the monotonic clock at which the last episode ends.
             most_episodes: number of episodes.
+            is_stopped: whether planning shall end; asked after each iteration.
         """
         try:
             while True:
-                self._run(limit)
+                self._run(limit, is_stopped)
                 if (
                     time.monotonic() >= limit
+                    or is_stopped()
                     or self.evaluations >= most_evaluations
                     or self._episodes >= most_episodes
                 ):
@@ -100,7 +109,7 @@ class Search:
             self._keep_best()
             return True
 
-    def _run(self, limit: float) -> None:
+    def _run(self, limit: float, is_stopped: Callable[[], bool]) -> None:
         """Run an episode, at most until that time of the monotonic clock.
 
         Its best paths are kept at its end. If the time is limited, they are also kept after 1, 2, 4, 8, ...
@@ -115,7 +124,7 @@ class Search:
         self._seed += 1
         self._episodes += 1
         ended, iteration, counted = False, 0, 0
-        while not ended and time.monotonic() < limit:
+        while not ended and time.monotonic() < limit and not is_stopped():
             observation, _, ended, _, info = self._env.step(self._controller.act(observation[None])[0])
             iteration += 1
             self.evaluations += int(info["evaluations"]) - counted

@@ -9,19 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.frame import Frame
-from swarm_gym.planning.maps import read_any_map
+from swarm_gym.planning.maps import AnyMap, read_any_map
 from swarm_gym.planning.workspace import read_workspace
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.reference import known_robot_path, shortest_path
-from swarm_gym.scenarios import (
-    AnyScenario,
-    GridScenario,
-    MapScenario,
-    Point,
-    Scenario,
-    grown,
-)
+from swarm_gym.scenarios import GridScenario, MapScenario, Point, Scenario, grown
 from swarm_gym.scenarios.formats.geographic import Projection, require_coordinates
+from swarm_gym.scenarios.graded_map import Grading
 from swarm_gym.scenarios.growing_grids import require_room
 
 Floats = NDArray[np.float64]
@@ -43,6 +37,7 @@ class Task:
         goal: goal in the user's coordinates.
         projection: projection from the user's longitudes and latitudes to map units, which are metres then;
             None if the user's coordinates are map units.
+        costs: cost of ground of each cell of the map as it is, (height, width); None if it has none.
     """
 
     given: MapScenario
@@ -52,6 +47,7 @@ class Task:
     start: Point
     goal: Point
     projection: Projection | None
+    costs: Floats | None = None
 
     @cached_property
     def grown(self) -> MapScenario:
@@ -110,23 +106,25 @@ class Task:
 
 
 def read_task(
-    where: str | Path | AnyScenario,
+    where: AnyMap,
     start: Point | None,
     goal: Point | None,
     margin: float,
     workspace: str | Path | ArrayLike | None = None,
     coordinates: str | None = None,
+    grading: Grading | None = None,
 ) -> Task:
     """Return the task on a map.
 
     Args:
         where: a file, here or in the data folder: `.yaml` or `.yml` of ROS's map_server, `.map` of Moving
-            AI, or GeoJSON; or a scenario or its name. A file that exists wins.
+            AI, or GeoJSON; a scenario or its name; or a map of cells. A file that exists wins.
         start: (x, y), in the user's coordinates; a scenario has its own.
         goal: (x, y), in the user's coordinates; a scenario has its own.
         margin: distance to keep from obstacles, in map units.
         workspace: box, polygon or file of what the robot stays in, see `read_workspace`; None for no limit.
         coordinates: kind of the user's coordinates, see `COORDINATES`; None takes what the file names.
+        grading: meaning of the grades of a file; None for free and blocked cells only.
 
     Raises:
         ScenarioError: for a file that is missing or malformed, or an end that is outside the map or the
@@ -136,7 +134,8 @@ def read_task(
     """
     require_coordinates(coordinates)
     area = None if workspace is None else read_workspace(workspace)
-    given, projection = read_any_map(where, start, goal, margin, area, coordinates)
+    read = read_any_map(where, start, goal, margin, area, coordinates, grading or Grading())
+    given, projection = read.scenario, read.projection
     ends = given.start, given.target
     if projection is not None:
         assert start is not None  # as files need it
@@ -144,7 +143,7 @@ def read_task(
         ends = start, goal
     if isinstance(given, GridScenario):
         require_room(given, margin)
-        return Task(given, margin, Frame(), given, *ends, projection)
+        return Task(given, margin, Frame(), given, *ends, projection, read.costs)
     frame = Frame.of(given)
     try:
         task = Task(given, margin, frame, frame.moved(given), *ends, projection)

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,30 @@ def as_csv(plan: Plan) -> str:
 
 
 def as_geojson(plan: Plan) -> str:
-    """Return a feature with a line string, in the coordinates of the map's file."""
+    """Return a feature with a line string, in the map's coordinates, or one for each alternative."""
+    if len(plan.alternatives) > 1:
+        features = [_feature(one) for one in _each(plan)]
+        return json.dumps({"type": "FeatureCollection", "features": features}, indent=1) + "\n"
+    return json.dumps(_feature(plan), indent=1) + "\n"
+
+
+def _each(plan: Plan) -> list[Plan]:
+    """Return the plan once for each of its alternatives, with the path of that."""
+    return [
+        replace(
+            plan,
+            path=one.path,
+            length=one.length,
+            clearance=one.clearance,
+            costs=one.costs,
+            found_by=plan.found_by if number == 0 else "alternative",
+            alternatives=(),
+        )
+        for number, one in enumerate(plan.alternatives)
+    ]
+
+
+def _feature(plan: Plan) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "map": plan.map.name,
         "length": plan.length,
@@ -29,8 +53,9 @@ def as_geojson(plan: Plan) -> str:
     }
     if np.isfinite(plan.clearance):
         facts["clearance"] = plan.clearance
+    facts |= {f"cost_{name}": cost for name, cost in plan.costs.items() if name != "length"}
     geometry = {"type": "LineString", "coordinates": plan.path.tolist()}
-    return json.dumps({"type": "Feature", "properties": facts, "geometry": geometry}, indent=1) + "\n"
+    return {"type": "Feature", "properties": facts, "geometry": geometry}
 
 
 def as_ros_path(plan: Plan) -> str:
@@ -77,8 +102,11 @@ def require_formats(paths: Iterable[Path]) -> None:
         seen.add(path)
 
 
-def write_plan(plan: Plan, *paths: Path) -> None:
-    """Write the path of a plan to files, each in the format that its ending names.
+def write_plan(plan: Plan, *paths: Path) -> list[Path]:
+    """Write the path of a plan to files, each in the format that its ending names; return their names.
+
+    A GeoJSON file has all alternatives. Those behind the first have files of their own in other formats,
+    such as `path-2.csv` beside `path.csv`.
 
     No file is written before the contents of all are complete, and each is written completely or not at all.
 
@@ -87,9 +115,16 @@ def write_plan(plan: Plan, *paths: Path) -> None:
         MissingExtraError: for a PNG, if Pillow is missing.
         OSError: naming the first file that cannot be written; those before it are complete.
     """
-    contents = [_format_of(path)(plan) for path in paths]
-    for path, content in zip(paths, contents, strict=True):
+    contents: dict[Path, str | bytes] = {}
+    for path in paths:
+        make = _format_of(path)
+        contents[path] = make(plan)
+        if path.suffix != ".geojson":
+            for number, one in enumerate(_each(plan)[1:], 2):
+                contents[path.with_stem(f"{path.stem}-{number}")] = make(one)
+    for path, content in contents.items():
         write_atomically(path, content)
+    return list(contents)
 
 
 def _format_of(path: Path) -> Callable[[Plan], str | bytes]:

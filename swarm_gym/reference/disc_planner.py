@@ -194,16 +194,19 @@ class DiscPlanner:
         """Return the tangents that leave a lane; those of all lanes of a corner are found together."""
         if lane not in self._lanes:
             corner = int(self._arcs.corners[lane // 2])
+            made: dict[int, _Lane] = {}
             for arc in range(self._arcs.first[corner], self._arcs.first[corner + 1]):
-                self._lanes[2 * arc], self._lanes[2 * arc + 1] = _Lane(), _Lane()
+                made[2 * arc], made[2 * arc + 1] = _Lane(), _Lane()
             sight = make_sight(self._grid)
             found = tangents_from_corner(self._grid, self._arcs, corner, self._radius, sight)
-            self._work_at[corner] = PER_CORNER + found.work
             keys = np.where(found.from_lanes % 2 == 1, found.from_angles, -found.from_angles)
             order = np.argsort(keys, kind="stable")
             columns = (found.from_lanes, keys, found.to_lanes, found.to_angles, found.lengths)
             for one, *values in zip(*(column[order].tolist() for column in columns), strict=True):
-                self._lanes[one].add(*values)
+                made[one].add(*values)
+            # Complete lanes only, since several threads may search at a time.
+            self._work_at[corner] = PER_CORNER + found.work
+            self._lanes.update(made)
         return self._lanes[lane]
 
     def _arcs_of(self, arrival: _Arrival) -> list[Arc]:

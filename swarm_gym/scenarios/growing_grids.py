@@ -27,7 +27,9 @@ NEAREST = 64  # open small cells near an end that are tried
 ON_LINE = 33  # points of the line to such a cell that must keep the margin
 
 
-def grown_on_cells(scenario: GridScenario, margin: float, way: Floats | None = None) -> GridScenario:
+def grown_on_cells(
+    scenario: GridScenario, margin: float, way: Floats | None = None, fine: float = FINE
+) -> GridScenario:
     """Return the scenario on a map of small cells whose blocked cells have grown by a margin.
 
     A passage along rows or columns, k cells wide, is open if a row of small cells fits through: if
@@ -43,6 +45,8 @@ def grown_on_cells(scenario: GridScenario, margin: float, way: Floats | None = N
         scenario: the map as it is, with start and target.
         margin: radius of the disc in map units.
         way: (k, 2) points of a path that is known to keep the margin, along which small cells are opened too.
+        fine: number of small cells that the margin is as long as, at least, if the map is not too large then;
+            0 for as few as open the narrowest passage.
 
     Raises:
         ScenarioError: if an end is closer to a blocked cell than the margin.
@@ -52,7 +56,7 @@ def grown_on_cells(scenario: GridScenario, margin: float, way: Floats | None = N
     require_room(scenario, margin)
     if not grid.blocked.any():
         return scenario
-    parts = _parts(grid, margin)
+    parts = _parts(grid, margin, fine)
     side = grid.resolution / parts
     blocked = np.repeat(np.repeat(grid.blocked, parts, axis=0), parts, axis=1)
     closed = _gaps(blocked) < margin / side - ROUNDING
@@ -85,16 +89,16 @@ def require_room(scenario: GridScenario, margin: float) -> None:
             )
 
 
-def _parts(grid: GridMap, margin: float) -> int:
+def _parts(grid: GridMap, margin: float, fine: float) -> int:
     """Return the number of small cells along the side of a cell."""
     most = min(MAX_SIDE // max(grid.width, grid.height), math.isqrt(MOST_CELLS // grid.blocked.size))
     cells = margin / grid.resolution
-    fine = max(1, min(math.ceil(FINE / cells), most))
+    fewest = max(1, min(math.ceil(fine / cells), most))
     narrowest = math.floor(2.0 * cells + ROUNDING) + 1
-    for parts in range(fine, max(min(MOST_PARTS, most), fine) + 1):
+    for parts in range(fewest, max(min(MOST_PARTS, most), fewest) + 1):
         if parts * narrowest >= 2 * math.ceil(parts * cells - ROUNDING) + 1:
             return parts
-    return fine
+    return fewest
 
 
 def _gaps(blocked: NDArray[np.bool_]) -> Floats:

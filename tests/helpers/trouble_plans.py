@@ -13,7 +13,7 @@ from oracles.entered_depth import entered_depth
 from oracles.shapely_paths import shortest_length
 from swarm_gym.errors import NoPathError, SwarmGymError
 from swarm_gym.planning import plan
-from swarm_gym.planning.planner import PLANNERS
+from swarm_gym.planning.request import PLANNERS
 from swarm_gym.planning.tasks import read_task
 
 LARGEST_ERROR = 1e-6  # of an exact length, as a share

@@ -18,10 +18,12 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
+from swarm_gym.scenarios.graded_map import GradedMap, Grading, terrain_map
 from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 
@@ -72,23 +74,19 @@ def read_map(path: str | Path) -> GridMap:
         ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
     """
     path = Path(path)
-    try:
-        with open_file(path) as file:
-            width, height = _read_header(path, file)
-            rows = _read_rows(path, file, width, height)
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
-    meaning = _MEANING[np.frombuffer(rows, dtype=np.uint8).reshape(height, width)]
-    if (meaning == 2).any():
-        row, column = np.argwhere(meaning == 2)[0].tolist()
-        character = rows[row * width + column : row * width + column + 1]
-        raise _malformed(
-            path,
-            row + _HEADER_LINES + 1,
-            f"expected one of {PASSABLE.decode()} (passable) or {BLOCKED.decode()} (blocked) in column "
-            f"{column + 1}, got {character!r}",
-        )
-    return GridMap(path.stem, meaning == 1)
+    return GridMap(path.stem, _MEANING[_read_letters(path)] == 1)
+
+
+def read_graded_map(path: str | Path, grading: Grading) -> GradedMap:
+    """Read the map in a `.map` file with costs of ground by its letters.
+
+    Raises:
+        ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
+        SettingError: for a letter that maps do not have, or a cost that is negative or no number.
+    """
+    path = Path(path)
+    letters = _read_letters(path)
+    return terrain_map(GridMap(path.stem, _MEANING[letters] == 1), letters, PASSABLE + BLOCKED, grading)
 
 
 def read_scenarios(path: str | Path) -> list[BenchmarkProblem]:
@@ -233,6 +231,28 @@ def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
 
 def _malformed(path: Path, line: int, reason: str) -> ScenarioError:
     return ScenarioError(f"{path}, line {line}: {reason}")
+
+
+def _read_letters(path: Path) -> NDArray[np.uint8]:
+    """Return the letters of the cells of a `.map` file, (height, width)."""
+    try:
+        with open_file(path) as file:
+            width, height = _read_header(path, file)
+            rows = _read_rows(path, file, width, height)
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    letters = np.frombuffer(rows, dtype=np.uint8).reshape(height, width)
+    meaning = _MEANING[letters]
+    if (meaning == 2).any():
+        row, column = np.argwhere(meaning == 2)[0].tolist()
+        character = rows[row * width + column : row * width + column + 1]
+        raise _malformed(
+            path,
+            row + _HEADER_LINES + 1,
+            f"expected one of {PASSABLE.decode()} (passable) or {BLOCKED.decode()} (blocked) in column "
+            f"{column + 1}, got {character!r}",
+        )
+    return letters
 
 
 def _read_header(path: Path, file: BinaryIO) -> tuple[int, int]:

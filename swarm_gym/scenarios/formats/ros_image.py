@@ -14,6 +14,7 @@ Brightness:
 * Colours are averaged, (red + green + blue) / 3, as map_server documents it. Pixels of a palette have the
   colour of their entry.
 * The grey value of a picture with 16 bits counts in 65535ths. Of colours with 16 bits the upper eight count.
+* An array `.npy`, int8 or uint8, holds the data of a message: its row 0 is the lowest, and -1 counts as 255.
 * A pixel that is not opaque is unknown. Map_server documents this for mode `scale`; in mode `trinary` most of
   its versions average the opacity with the colours, by which an opaque grey 205 would be free.
 """
@@ -34,6 +35,7 @@ from swarm_gym.scenarios.grid_map import MAX_SIDE
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+ARRAYS = ".npy"
 PICTURES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".ppm", ".pbm", ".pnm")
 FORMATS = ("PPM", "PNG", "BMP", "JPEG")  # of Pillow; PGM and PBM are among PPM
 
@@ -92,12 +94,14 @@ def locate_picture(described: Path, given: str) -> Path:
 
 
 def read_picture(path: Path) -> Picture:
-    """Return the brightness of the pixels of an image.
+    """Return the brightness of the pixels of an image, or the values of a NumPy array as such.
 
     Raises:
         ScenarioError: if the file cannot be read, or its pixels have no grey value.
         MissingExtraError: if Pillow is missing.
     """
+    if path.suffix.lower() == ARRAYS:
+        return _read_array(path)
     try:
         from PIL import Image
     except ImportError as error:
@@ -128,6 +132,31 @@ def read_picture(path: Path) -> Picture:
         raise
     except Exception as error:  # a decoder may raise anything on malformed bytes
         raise ScenarioError(f"{path}: cannot be read as a PGM, PNG, BMP or JPEG image: {error}") from error
+
+
+def _read_array(path: Path) -> Picture:
+    """Return the values of an array of 8 bits, whose row 0 is the lowest; -1 becomes 255."""
+    try:
+        with open_file(path) as file:
+            version = np.lib.format.read_magic(file)
+            reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else None
+            if reader is None:
+                raise ScenarioError(f"{path}: expected an array as numpy.save writes it, version 1.0")
+            shape, _, dtype = reader(file)
+            if len(shape) != 2 or dtype not in (np.dtype(np.int8), np.dtype(np.uint8)):
+                raise ScenarioError(
+                    f"{path}: expected int8 or uint8 of shape (height, width), got {dtype} of shape {shape}; "
+                    "save the values of the cells as they are in the message"
+                )
+            if not (min(shape) > 0 and max(shape) <= MAX_SIDE):
+                raise ScenarioError(f"{path}: expected 1 to {MAX_SIDE} cells along a side, got shape {shape}")
+            file.seek(0)
+            values = np.load(file, allow_pickle=False)
+    except ScenarioError:
+        raise
+    except (OSError, ValueError, EOFError, SyntaxError, TypeError) as error:
+        raise ScenarioError(f"{path}: cannot be read as an array of NumPy: {error}") from error
+    return Picture(values.view(np.uint8)[::-1].astype(np.uint16), 255, None)
 
 
 def _refused(described: Path, expected: str, given: str, real: Path | None = None) -> ScenarioError:

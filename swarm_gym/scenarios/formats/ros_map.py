@@ -10,9 +10,12 @@ Map coordinates are metres, x to the right and y upwards. The key `mode` says wh
   values from 1 to 99 that it publishes between the thresholds are no promise that a cell is free.
 * `raw`: v is the published value itself, p = v / 100 up to 100, and unknown above it. Map_server leaves it to
   the reader what is free; here it is p < free_thresh.
+* `costmap`, which map_server does not know: v is the cost of a cell of a Nav2 cost map. Inscribed cells
+  (253), lethal ones (254) and unknown ones (255) are not free. Thresholds may be left out.
 
-Unknown cells count as blocked, because a robot must not plan through an area that it has not seen. In every
-mode a pixel that is not opaque is unknown. `ros_image` reads the pictures.
+`read_graded_ros_map` takes the values that map_server publishes as grades. In a map of free and blocked
+cells, unknown cells count as blocked, because a robot must not plan through an area that it has not seen. In
+every mode a pixel that is not opaque is unknown. `ros_image` reads the pictures.
 """
 
 import math
@@ -28,7 +31,8 @@ from numpy.typing import NDArray
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.family import Family, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
-from swarm_gym.scenarios.formats.ros_image import locate_picture, read_picture
+from swarm_gym.scenarios.formats.ros_image import ARRAYS, Picture, locate_picture, read_picture
+from swarm_gym.scenarios.graded_map import SCALES, GradedMap, Grading, graded
 from swarm_gym.scenarios.grid_map import MAX_ORIGIN, MAX_RESOLUTION, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.obstacles import Point
@@ -37,7 +41,9 @@ NAME = "ros"
 USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"
 
 ENDINGS = (".yaml", ".yml")  # of the YAML file, in small letters
-MODES = ("trinary", "scale", "raw")
+COSTMAP = "costmap"
+MODES = ("trinary", "scale", "raw", COSTMAP)
+ARRAY_MODES = ("raw", COSTMAP)  # of which the image may be an array
 MAX_YAML = 2**16  # bytes
 MAX_YAW = 1e-6  # radians that count as rounding: a map of 4096 cells turns by less than 0.005 cells
 # Values of p * 255 that are usual for unknown cells: map_saver writes grey 205, other programs a middle grey.
@@ -54,6 +60,7 @@ class RosMapFile(NamedTuple):
         origin: (x, y) of the outer corner of the lower left pixel, in metres.
         negate: whether white means occupied.
         free_thresh: probability of occupation below which a cell is free.
+        occupied_thresh: probability of occupation above which a cell is occupied.
         mode: meaning of a grey value, one of `MODES`.
     """
 
@@ -62,6 +69,7 @@ class RosMapFile(NamedTuple):
     origin: Point
     negate: bool
     free_thresh: float
+    occupied_thresh: float
     mode: str
 
 
@@ -77,17 +85,25 @@ def read_yaml(path: str | Path) -> RosMapFile:
     mode = entries.text("mode", MODES[0])
     if mode not in MODES:
         raise entries.refused("mode", f"one of {', '.join(MODES)}")
-    negate = entries.text("negate").lower()
+    is_costmap = mode == COSTMAP
+    negate = entries.text("negate", "0" if is_costmap else None).lower()
     if negate not in ("0", "1", "false", "true"):
         raise entries.refused("negate", "0 or 1")
     if mode == "raw" and negate in ("1", "true"):
         raise entries.refused("negate", "0 in mode raw, where ROS 1 negates values and Nav2 does not")
-    occupied, free = entries.number("occupied_thresh", 0, 1), entries.number("free_thresh", 0, 1)
+    if is_costmap and negate in ("1", "true"):
+        raise entries.refused("negate", "0 in mode costmap, where pixels are costs")
+    usual = "0.5" if is_costmap else None
+    occupied, free = (entries.number(f"{key}_thresh", 0, 1, usual) for key in ("occupied", "free"))
     if free > occupied:
         raise entries.refused("free_thresh", f"at most occupied_thresh, which is {occupied:g}")
     resolution = entries.number("resolution", MIN_RESOLUTION, MAX_RESOLUTION)
     image = locate_picture(path, entries.text("image"))
-    return RosMapFile(image, resolution, entries.origin(), negate in ("1", "true"), free, mode)
+    if image.suffix.lower() == ARRAYS and mode not in ARRAY_MODES:
+        raise entries.refused(
+            "image", f"a picture in mode {mode}; an array has values of {' or '.join(ARRAY_MODES)}"
+        )
+    return RosMapFile(image, resolution, entries.origin(), negate in ("1", "true"), free, occupied, mode)
 
 
 def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
@@ -101,11 +117,24 @@ def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
     """
     path = Path(path)
     described = read_yaml(path)
-    try:
-        stamp = stamp_of(described.image)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: image {error}") from error
-    return _inflated(path, described, stamp, radius)
+    return _inflated(path, described, _stamp_of(path, described), radius)
+
+
+def read_graded_ros_map(path: str | Path, grading: Grading) -> GradedMap:
+    """Read the map of a YAML file with its grades: the values that map_server publishes, or costs of Nav2.
+
+    The cells that are free in the map without grades are so here, too, and warnings are the same.
+
+    Raises:
+        ScenarioError: if a file cannot be read or is malformed; the message names file and reason.
+        SettingError: for choices that the map cannot have.
+        MissingExtraError: if PyYAML or Pillow is missing.
+    """
+    path = Path(path)
+    described = read_yaml(path)
+    grid = _read(path, described, _stamp_of(path, described))
+    values = _published(described, _picture_of(path, described))
+    return graded(grid, values, "costmap" if described.mode == COSTMAP else "occupancy", grading)
 
 
 def expand(name: str) -> tuple[str, ...]:
@@ -148,6 +177,13 @@ def make(name: str) -> GridScenario:
 FAMILY = Family(USAGE, (), expand, make, tidy)
 
 
+def _stamp_of(path: Path, described: RosMapFile) -> tuple[int, int]:
+    try:
+        return stamp_of(described.image)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: image {error}") from error
+
+
 @lru_cache(maxsize=8)
 def _inflated(path: Path, described: RosMapFile, stamp: tuple[int, int], radius: float) -> GridMap:
     grid = _read(path, described, stamp)
@@ -156,7 +192,7 @@ def _inflated(path: Path, described: RosMapFile, stamp: tuple[int, int], radius:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, described: RosMapFile, _stamp: tuple[int, int]) -> GridMap:
-    picture = read_picture(described.image)
+    picture = _picture_of(path, described)
     probability = _probabilities(described, picture.white)
     # Unknown cells are blocked like occupied ones, so occupied_thresh decides nothing.
     below = np.less_equal if described.mode == "scale" else np.less
@@ -164,11 +200,46 @@ def _read(path: Path, described: RosMapFile, _stamp: tuple[int, int]) -> GridMap
     free = free_levels[picture.levels]
     if picture.opaque is not None:
         free &= picture.opaque
-    if described.mode != "raw":
+    if described.mode not in ARRAY_MODES:
         suspect = free_levels & np.isin(np.rint(255 * probability), UNKNOWN)
         _warn_of_unknown(path, described, probability, picture.levels, suspect, free)
     side, (x, y) = described.resolution, described.origin
     return GridMap(path.stem, ~free, side, (x + side / 2, y + (len(free) - 0.5) * side), y_up=True)
+
+
+def _picture_of(path: Path, described: RosMapFile) -> Picture:
+    picture = read_picture(described.image)
+    if described.mode == COSTMAP and picture.white != 255:
+        raise ScenarioError(
+            f"{path}: mode costmap needs costs from 0 to 255, the image {described.image.name} has colours "
+            "or 16 bits; save it as a grey PNG of 8 bits or as an array of uint8"
+        )
+    return picture
+
+
+def _published(described: RosMapFile, picture: Picture) -> NDArray[np.int64]:
+    """Return the values of the cells, row 0 on top: as map_server publishes them, or costs of Nav2."""
+    levels = np.arange(picture.white + 1)
+    if described.mode in ARRAY_MODES:
+        values = np.rint(255 * levels / picture.white).astype(np.int64)
+        unknown = 255 if described.mode == COSTMAP else -1
+        if described.mode == "raw":
+            values[values > 100] = unknown
+    else:
+        probability = _probabilities(described, picture.white)
+        low, high = described.free_thresh, described.occupied_thresh
+        unknown = -1
+        values = np.full(len(levels), unknown, dtype=np.int64)
+        if described.mode == "scale":
+            share = (probability - low) / max(high - low, 1e-9)
+            values = np.floor(99.0 * np.clip(share, 0.0, 1.0)).astype(np.int64)
+        below = np.less_equal if described.mode == "scale" else np.less
+        values[probability > high] = 100
+        values[below(probability, low)] = 0
+    published = values[picture.levels]
+    if picture.opaque is not None:
+        published[~picture.opaque] = unknown
+    return published
 
 
 def _probabilities(described: RosMapFile, white: int) -> NDArray[np.float64]:
@@ -177,6 +248,8 @@ def _probabilities(described: RosMapFile, white: int) -> NDArray[np.float64]:
     if described.mode == "raw":
         published = np.rint(255 * levels / white)
         return np.where(published <= 100, published / 100, 1.0)
+    if described.mode == COSTMAP:
+        return (levels >= SCALES["costmap"].lethal).astype(np.float64)
     return (levels if described.negate else white - levels) / white
 
 
@@ -240,8 +313,8 @@ class _Entries:
             raise self.refused(key, "a single value")
         return self._entries[key]
 
-    def number(self, key: str, low: float, high: float) -> float:
-        number = _as_number(self.text(key))
+    def number(self, key: str, low: float, high: float, default: str | None = None) -> float:
+        number = _as_number(self.text(key, default))
         if not low <= number <= high:
             raise self.refused(key, f"a number in [{low:g}, {high:g}]")
         return number

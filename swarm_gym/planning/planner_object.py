@@ -1,0 +1,263 @@
+"""A planner that is prepared once and plans many times, from any thread, with a time limit that holds."""
+
+import threading
+import time
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from swarm_gym.checks import require_number
+from swarm_gym.errors import NoPathError, SettingError
+from swarm_gym.planning.maps import AnyMap, read_cells
+from swarm_gym.planning.planning_run import PlanningRun
+from swarm_gym.planning.request import Request
+from swarm_gym.planning.result import Plan
+from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
+from swarm_gym.planning.tasks import read_task
+from swarm_gym.planning.wishes import require_wishes
+from swarm_gym.reference.shortest import prepare
+from swarm_gym.scenarios import Circle, GridMap, GridScenario, Point, Scenario
+from swarm_gym.scenarios.graded_map import GradedMap, Grading
+
+LOOK = 0.002  # seconds between two looks at an event of the caller
+GRACE = 0.004  # seconds that a run has to end by itself when its time is nearly up
+EARLY = 0.010  # seconds before the limit at which planning ends
+
+
+class Planner:
+    """A planner for one map and one robot, which is prepared when it is made.
+
+    Each call of `plan` works in a thread of its own. Several threads may call it at a time. When the time is
+    up or planning is cancelled, the call returns the best path so far. A calculation that cannot be stopped
+    goes on in its thread until it ends, and its result is dropped.
+    """
+
+    def __init__(
+        self,
+        where: AnyMap,
+        *,
+        robot_radius: float = 0.0,
+        clearance: float = 0.0,
+        workspace: str | Path | ArrayLike | None = None,
+        coordinates: str | None = None,
+        unknown: str = "blocked",
+        lethal: int | None = None,
+        terrain: Mapping[str, float] | None = None,
+        wishes: Mapping[str, float] | None = None,
+        switch_margin: float = SWITCH_MARGIN,
+    ):
+        """Read the map, load the kernels and prepare the exact planner; arguments as in `swarm_gym.plan`.
+
+        A GeoJSON file is read again in each call of `plan`, since its projection depends on start and goal.
+
+        Raises:
+            ScenarioError: for a map that is missing or malformed.
+            SettingError: for another value that is invalid.
+            MissingExtraError: if the map needs a library that is missing.
+        """
+        require_number("robot_radius", robot_radius, 0.0, 1e9)
+        require_number("clearance", clearance, 0.0, 1e9)
+        require_number("switch_margin", switch_margin, 0.0, 1.0)
+        if wishes is not None:
+            require_wishes(wishes)
+        self._margin = robot_radius + clearance
+        self._workspace, self._coordinates = workspace, coordinates
+        self._wishes, self._switch_margin = wishes, switch_margin
+        self._stops: set[threading.Event] = set()
+        self._lock = threading.Lock()
+        grading = Grading(unknown, lethal, terrain)
+        self._where = read_cells(where, grading)
+        is_of_cells = isinstance(self._where, GridMap | GradedMap)
+        self._grading = Grading() if is_of_cells else grading
+        self._prepare()
+
+    def with_map(self, where: AnyMap) -> "Planner":
+        """Return the planner of the same robot on another map, as after the map has changed.
+
+        Args:
+            where: a map, as in `swarm_gym.plan`; grades in a file mean what they usually do.
+
+        Raises:
+            ScenarioError: for a map that is missing or malformed.
+        """
+        return Planner(
+            where,
+            robot_radius=self._margin,
+            workspace=self._workspace,
+            coordinates=self._coordinates,
+            wishes=self._wishes,
+            switch_margin=self._switch_margin,
+        )
+
+    def plan(
+        self,
+        start: Point | None = None,
+        goal: Point | None = None,
+        *,
+        previous: ArrayLike | None = None,
+        alternatives: int = 1,
+        max_seconds: float | None = None,
+        cancel: threading.Event | None = None,
+        planner: str = "auto",
+        optimizer: str | None = None,
+        controller: str | None = None,
+        max_evaluations: int | None = None,
+        seed: int = 0,
+    ) -> Plan:
+        """Return the best path from start to goal; other arguments are those of `swarm_gym.plan`.
+
+        Args:
+            start: (x, y) in the coordinates of the map; a scenario has its own.
+            goal: (x, y) in the coordinates of the map; a scenario has its own.
+            previous: points of a former path to the goal, (k, 2). A robot that is on its way is beside it:
+                the rest of the path from the start counts.
+            alternatives: number of paths to return, at most.
+            max_seconds: seconds after which the best path so far is returned, or the previous one if it is
+                free; `Plan.stopped` is True then.
+            cancel: event that ends planning in the same way when it is set.
+            planner: "auto", or "swarm".
+            optimizer: name of the optimizer of a swarm.
+            controller: name of the controller of a swarm.
+            max_evaluations: evaluations after which no further episode begins.
+            seed: seed of the first episode.
+
+        Raises:
+            ScenarioError: for a start or goal that is invalid.
+            SettingError: for another value that is invalid.
+            NoPathError: if there is no path, or none is known when planning ends.
+        """
+        began = time.monotonic()
+        rest = None if previous is None or start is None else _rest_from(previous, start)
+        request = Request(
+            planner,
+            optimizer,
+            controller,
+            max_evaluations,
+            max_seconds,
+            seed,
+            previous if rest is None else rest,
+            self._switch_margin,
+            alternatives,
+            self._wishes,
+        )
+        if cancel is not None and not isinstance(cancel, threading.Event):
+            raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
+        work = _Work(self, start, goal, request, began)
+        with self._lock:
+            self._stops.add(work.stop)
+        try:
+            return work.result_by(began + max_seconds if max_seconds is not None else None, cancel)
+        finally:
+            work.stop.set()
+            with self._lock:
+                self._stops.discard(work.stop)
+
+    def cancel(self) -> None:
+        """End all calls of `plan` that are under way in other threads."""
+        with self._lock:
+            for stop in self._stops:
+                stop.set()
+
+    def _begin(self, start: Point | None, goal: Point | None, request: Request, work: "_Work") -> PlanningRun:
+        task = read_task(
+            self._where, start, goal, self._margin, self._workspace, self._coordinates, self._grading
+        )
+        return PlanningRun(task, request, work.began, work.stop.is_set)
+
+    def _prepare(self) -> None:
+        """Load the kernels, and prepare the exact planner on the map."""
+        where = self._where.grid if isinstance(self._where, GradedMap) else self._where
+        is_on_cells = isinstance(where, GridMap | GridScenario)
+        _load_kernels(is_on_cells, self._margin > 0.0)
+        if isinstance(where, GridMap | GridScenario):
+            grid = where if isinstance(where, GridMap) else where.map
+            _ = grid.components  # kept by the map
+            prepare(grid, self._margin)
+
+
+class _Work:
+    """One run in a thread of its own.
+
+    Attributes:
+        began: time of the monotonic clock when it began.
+        stop: event that ends it.
+    """
+
+    def __init__(
+        self, planner: Planner, start: Point | None, goal: Point | None, request: Request, began: float
+    ):
+        self.began, self.stop = began, threading.Event()
+        self._run: PlanningRun | None = None
+        self._plan: Plan | None = None
+        self._error: BaseException | None = None
+        self._done = threading.Event()
+
+        def work() -> None:
+            try:
+                self._run = planner._begin(start, goal, request, self)
+                self._plan = self._run.run()
+            except BaseException as error:  # the caller raises it
+                self._error = error
+            finally:
+                self._done.set()
+
+        threading.Thread(target=work, name="swarm_gym.plan", daemon=True).start()
+
+    def result_by(self, limit: float | None, cancel: threading.Event | None) -> Plan:
+        """Return the plan, or the best one so far when a time has come or planning is cancelled."""
+        why = self._wait(limit, cancel)
+        self.stop.set()
+        if why is not None:
+            self._done.wait(GRACE)
+        if self._error is not None:
+            raise self._error
+        if self._plan is not None:
+            return self._plan
+        so_far = None if self._run is None else self._run.best_so_far()
+        if so_far is None:
+            raise NoPathError(f"no path was known when {why}; a longer time may help")
+        return so_far
+
+    def _wait(self, limit: float | None, cancel: threading.Event | None) -> str | None:
+        """Wait for the end of the run; return why it is not awaited, or None at its end."""
+        while not self._done.wait(LOOK):
+            if self.stop.is_set() or (cancel is not None and cancel.is_set()):
+                return "planning was cancelled"
+            if limit is not None and time.monotonic() >= limit - EARLY:
+                return f"the time of {limit - self.began:g} s was up"
+        return None
+
+
+def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
+    """Return the rest of a path from a start; a malformed path as it is, which is refused later."""
+    try:
+        points = np.array(previous, dtype=np.float64)
+        here = (float(start[0]), float(start[1]))
+    except (TypeError, ValueError, IndexError):
+        return previous
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
+        return previous
+    return rest_of(points, here)
+
+
+@cache
+def _load_kernels(is_on_cells: bool, has_margin: bool) -> None:
+    """Plan on a tiny map, once in a process, so that later calls find all kernels loaded."""
+    task = read_task(_tiny_cells() if is_on_cells else _tiny_obstacles(), None, None, 0.4 * has_margin)
+    first = PlanningRun(task, Request(alternatives=2), time.monotonic(), lambda: False).run()
+    other = first.alternatives[-1].path
+    again = Request(previous=other, switch_margin=1.0)
+    PlanningRun(task, again, time.monotonic(), lambda: False).run()
+
+
+def _tiny_cells() -> GridScenario:
+    blocked = np.zeros((7, 7), dtype=np.bool_)
+    blocked[3, 3] = True
+    return GridScenario("tiny", GridMap("tiny", blocked), (0.0, 3.0), (6.0, 3.0))
+
+
+def _tiny_obstacles() -> Scenario:
+    return Scenario("tiny", (0.0, 0.0), (6.0, 0.0), (Circle(3.0, 0.0, 1.0),), (-1.0, -3.0, 7.0, 3.0))
