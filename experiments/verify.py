@@ -20,6 +20,7 @@ from experiments.runs.runner import warm_up_all
 from experiments.scoring.cases import StoredScores, SubmittedCase, packaged_cases, submitted_cases
 from experiments.scoring.claimed_rows import DIGITS
 from experiments.scoring.files import SCORES, write_scores
+from experiments.scoring.ranking import objective
 from experiments.scoring.suites import SCORED, get_scored
 from experiments.scoring.verdicts import ScoreComparison, Verdict, overall
 from swarm_gym.command import command
@@ -51,12 +52,18 @@ def report(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
 
 
 def conclusion(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
-    """Return the verdict on a case in a line, with the first number that differs if there is one."""
+    """Return the verdict on a case in a line, with the first number that differs if there is one.
+
+    Where nothing is claimed, the line has the objective instead, by which suites rank.
+    """
     verdict = overall(comparisons)
-    said = "measured only, nothing is claimed" if verdict is None else verdict.value
+    runs = f"{case.num_runs} runs of {case.scored.name}"
+    if verdict is None:
+        reached = objective([one.found for one in comparisons])
+        return f"{case.submission.name}: measured only, nothing is claimed, {runs}, objective {reached:.3f}"
     differing = [one.difference for one in comparisons if one.difference]
     first = f": {differing[0]}" if differing else ""
-    return f"{case.submission.name}: {said}, {case.num_runs} runs of {case.scored.name}{first}"
+    return f"{case.submission.name}: {verdict.value}, {runs}{first}"
 
 
 def _cells(one: ScoreComparison) -> list[str]:
@@ -122,7 +129,11 @@ def verify(config: VerifyConfig) -> bool:
             verdicts.append(overall(comparisons))
             bar.write(say(case, comparisons), file=sys.stdout)
     counts = [f"{count} {verdict.value}" for verdict in Verdict if (count := verdicts.count(verdict))]
-    print(f"{len(cases)} verified: {', '.join(counts) or 'nothing is claimed'}")
+    print(
+        f"{len(cases)} verified: {', '.join(counts)}"
+        if counts
+        else f"{len(cases)} measured: nothing is claimed"
+    )
     if config.output is not None:
         print(f"{len(found)} rows: {write_scores(config.output, found)}")
     return Verdict.DIFFERS not in verdicts

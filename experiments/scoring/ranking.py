@@ -23,7 +23,7 @@ def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
         scores: all of its rows.
     """
     by_entrant = _by_entrant(scores)
-    ranked = sorted(by_entrant.items(), key=lambda item: (_objective(item[1]), item[0]))
+    ranked = sorted(by_entrant.items(), key=lambda item: (objective(item[1]), item[0]))
     return Table.of(
         suite,
         f"Suite {suite}: controllers by objective, the mean gap in per cent plus {PRICE:g} for 100,000 "
@@ -35,7 +35,7 @@ def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
                 "runs": number(sum(len(row.fitness_of_runs) for row in found), "d"),
                 "mean gap": share(_mean(found, "gap"), ".2f"),
                 "evaluations": number(_mean(found, "evaluations"), ",.0f"),
-                "objective": number(_objective(found), ".3f"),
+                "objective": number(objective(found), ".3f"),
                 "feasible": share(_mean(found, "feasible")),
                 "digest": found[0].digest[:DIGITS],
             }
@@ -88,7 +88,7 @@ def leaders_table() -> Table:
 def _leaders(suite: str) -> Row:
     references = set(get_scored(suite).references)
     by_entrant = _by_entrant(_stored(suite))
-    ranked = sorted(by_entrant, key=lambda name: (_objective(by_entrant[name]), name))
+    ranked = sorted(by_entrant, key=lambda name: (objective(by_entrant[name]), name))
     first = next(name for name in ranked if name not in references)
     other = next(name for name in ranked if name in references)
     return {
@@ -96,9 +96,9 @@ def _leaders(suite: str) -> Row:
         "first policy": label(first),
         "mean gap": share(_mean(by_entrant[first], "gap"), ".2f"),
         "evaluations": number(_mean(by_entrant[first], "evaluations"), ",.0f"),
-        "objective": number(_objective(by_entrant[first]), ".3f"),
+        "objective": number(objective(by_entrant[first]), ".3f"),
         "first rule or schedule": label(other),
-        "its objective": number(_objective(by_entrant[other]), ".3f"),
+        "its objective": number(objective(by_entrant[other]), ".3f"),
     }
 
 
@@ -147,5 +147,6 @@ def _mean(rows: Sequence[ScoreRow], name: str) -> float:
     return mean([getattr(row, name) for row in rows for _ in row.fitness_of_runs])
 
 
-def _objective(rows: Sequence[ScoreRow]) -> float:
+def objective(rows: Sequence[ScoreRow]) -> float:
+    """Return the mean gap in per cent plus the price of the mean evaluations, over all runs."""
     return 100.0 * _mean(rows, "gap") + PRICE * _mean(rows, "evaluations") / 100_000.0

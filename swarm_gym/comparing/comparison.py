@@ -58,7 +58,9 @@ def compare(
     names = [name for of_one in sets.values() for name in of_one]
     _check(list(controllers), names, seeds)
     if min(map(len, sets.values())) * len(seeds) < 2:
-        raise SettingError(f"seeds: an interval needs 2 where a scenario stands alone, got {list(seeds)}")
+        raise SettingError(
+            f"seeds: expected at least 2, since an interval needs 2 runs of a scenario, got {list(seeds)}"
+        )
     if isinstance(controllers, Mapping):
         runners = [(Entrant(optimizer, name), one) for name, one in controllers.items()]
     else:

@@ -63,6 +63,11 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
             f"controller {shown(str(name))}: the optimizer {shown(parts.optimizer)} may only be named in a "
             f"suite; the controller is {shown(str(parts.controller))}"
         )
+    if parts.family not in CONTROLLERS and os.path.isfile(str(name)):
+        raise ValueError(
+            f"controller {shown(str(name))} is a file; write learned:{name} for a policy, or open-loop:, "
+            "tuned: or distilled: before the path"
+        )
     if parts.family not in CONTROLLERS and is_own("controller", str(name)):
         return _own_controller(str(name))
     make = find("controller", parts.family, CONTROLLERS, callable, "a controller")

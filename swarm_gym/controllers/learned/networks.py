@@ -135,7 +135,9 @@ class FeedforwardController(Controller):
         """Return the price that the policy observes; by default the middle of its training's range."""
         if not observes_price(self.manifest):
             if price is not None:
-                raise PolicyFileError(f"{path}: this policy does not observe a price, got {price:g}")
+                raise PolicyFileError(
+                    f"{path}: this policy does not observe a price, got {price:g}; leave out @{price:g}"
+                )
             return None
         prices = self.manifest["price"] or []  # which are checked
         low, high = prices[0], prices[-1]

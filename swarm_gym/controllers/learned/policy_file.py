@@ -31,6 +31,7 @@ Weights = dict[str, NDArray[np.float32]]
 # Bytes. Two hidden layers of 1024 need a quarter of this. Packaged files have up to 48 kB, of which 4 kB are
 # the header with the manifest and the places of the tensors.
 MAX_FILE = 2**24
+ZIP = b"PK\x03\x04"  # how zip files begin
 MAX_HEADER = 2**20
 # Training does not find larger weights; with these no sum of a network comes near the end of float32.
 MAX_WEIGHT = 1e6
@@ -88,6 +89,11 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, Manifest]:
     Raises:
         PolicyFileError: if the file is damaged, incomplete or of another format.
     """
+    if data.startswith(ZIP):
+        raise PolicyFileError(
+            f"{path}: this is a zip, as stable-baselines3 stores models; convert it first by "
+            f"`python -m agents.import_sb3 {path} policy.safetensors`"
+        )
     try:
         header = _read_header(data)
         content = json.loads(header.pop("__metadata__", {}).get("manifest", "{}"))

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 from contextlib import closing
 
 import numpy as np
@@ -99,7 +100,9 @@ def test_seeds_side_by_side_have_the_bits_of_single_runs(rows):
 def test_what_was_measured_is_verified_bit_for_bit(tmp_path, capsys):
     output = tmp_path / "claim.csv"
     assert verify(asked(tmp_path, POLICY, output=output))
-    assert "measured only, nothing is claimed" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert re.search(r"measured only, nothing is claimed, \d+ runs of headline, objective \d\.\d{3}", said)
+    assert "1 measured: nothing is claimed" in said
     copy = tmp_path / "mine.safetensors"
     copy.write_bytes(resolve("three-cases/0").read_bytes())
     for name in (f"{POLICY}@1", str(copy)):  # a claim is about a file, whatever its name

@@ -112,7 +112,7 @@ def test_without_an_optimum_fitness_takes_the_place_of_the_objective():
     [
         (([], ["case1"], range(2)), SettingError, "controllers: expected a list with at least one"),
         ((TWO, ["case1"], []), SettingError, "seeds: expected a list with at least one"),
-        ((TWO, ["case1"], [0]), SettingError, "seeds: an interval needs 2 where a scenario stands alone"),
+        ((TWO, ["case1"], [0]), SettingError, "seeds: expected at least 2, since an interval needs 2 runs"),
         ((TWO, ["case1"], [0, -1]), SettingError, "seed must lie in"),
         ((TWO, ["case1"], [0, 0]), SettingError, "seeds: each one once"),
         ((TWO, ["rooms:0-2", "rooms:1"], range(2)), SettingError, "scenarios: each one once"),

@@ -1,6 +1,7 @@
 """Every controller by name: contract, independence of the width, refusals, policy files."""
 
 import json
+import re
 from functools import partial
 
 import numpy as np
@@ -59,6 +60,13 @@ for name in NAMES:
 @pytest.fixture
 def policy(tmp_path):
     return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+
+
+def test_a_path_without_a_family_says_how_to_write_it(tmp_path):
+    path = tmp_path / "mine.safetensors"
+    path.touch()
+    with pytest.raises(ValueError, match=rf"is a file; write learned:{re.escape(str(path))} for a policy"):
+        make_controller(str(path))
 
 
 @pytest.mark.parametrize("recipe", RECIPES)

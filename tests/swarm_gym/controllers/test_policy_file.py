@@ -105,7 +105,7 @@ def test_every_packaged_policy_loads_and_is_far_below_the_limits():
         (file_of(b'{"__metadata__": {"manifest": "' + b"[" * 100_000 + b'"}}'), "recursion"),
         (file_of(b"\xff\xfe"), "not a readable"),
         (bytes(MAX_FILE + 1), f"at most {MAX_FILE} bytes"),
-        (b"PK\x03\x04 a zip file, say, that would be unpickled elsewhere", "readable"),
+        (b"PK\x03\x04 a zip file, say, that would be unpickled elsewhere", "agents.import_sb3"),
         (file_of(b'{"__metadata__": {"manifest": "[1]"}}'), "format"),
     ],
 )
