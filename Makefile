@@ -50,7 +50,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
-    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-scaling docs-scores \
+    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-terrain docs-scaling docs-scores \
     docs-gallery dist clean
 
 help: ## show this list
@@ -175,6 +175,11 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.strong
 	$(BIN)/python -m experiments.evaluate --suite cases-at-budgets --output results/strong
 	$(BIN)/python -m experiments.publish strong-optimizers
+
+docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
+	$(BIN)/python -m experiments.terrain --cost metabox
+	$(BIN)/python -m experiments.terrain --cost documented
+	$(BIN)/python -m experiments.publish terrain
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling

@@ -116,6 +116,13 @@ STRONG_BLOCKS: Mapping[str, Block] = {
     "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
     "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
 }
+TERRAIN_BLOCKS: Mapping[str, Block] = {
+    cost: partial(ResultsFolder.text, name=f"terrain/{cost}-in-short.md")
+    for cost in ("metabox", "documented")
+}
+TERRAIN_TABLES: Mapping[str, Block] = {
+    cost: partial(ResultsFolder.text, name=f"terrain/{cost}-by-terrain.md") for cost in TERRAIN_BLOCKS
+}
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
@@ -132,6 +139,10 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "strong-optimizers": (Document(Path("docs/strong-optimizers.md"), "", "", blocks=STRONG_BLOCKS),),
+    "terrain": (
+        Document(Path("docs/terrain.md"), "", "", blocks=TERRAIN_BLOCKS),
+        Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
+    ),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),
 }
 

@@ -1,0 +1,67 @@
+"""Tables of this study: excess over the best known flights in short, and costs by terrain."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from experiments.studies.terrain.measured_costs import Asked, Floats
+from experiments.tables import Table
+from experiments.tables.cell import Entry, number
+
+
+def tables(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked) -> list[Table]:
+    """Return all tables.
+
+    Args:
+        measured: best costs, (terrains, budgets, runs), by the name of the row.
+        terrains: names of the terrains.
+        asked: runs of each row.
+    """
+    best = np.min([costs.min(axis=(1, 2)) for costs in measured.values()], axis=0)
+    return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
+
+
+def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, best: Floats) -> Table:
+    found: list[tuple[float, dict[str, Entry]]] = []
+    for name, costs in measured.items():
+        excess = costs / best[:, None, None] - 1.0  # (terrains, budgets, runs)
+        row: dict[str, Entry] = {"optimizer, encoding, source": name}
+        for k, evaluations in enumerate(asked.evaluations):
+            row[f"mean excess, {evaluations:,}"] = number(100.0 * excess[:, k].mean(), ".0f")
+            row[f"median, {evaluations:,}"] = number(100.0 * np.median(excess[:, k]), ".0f")
+        row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
+        found.append((float(excess[:, 0].mean()), row))
+    caption = (
+        f"Excess of the cost `{asked.cost}` over the best flight that any of these runs has found, in per "
+        f"cent: mean and median over {len(terrains)} terrains ({_listed(terrains)}) and {asked.runs} runs, "
+        f"after so many evaluations. First on terrains: where the mean is the least after "
+        f"{asked.evaluations[0]:,}. What planning takes is not in the evaluations"
+    )
+    rows = [row for _, row in sorted(found, key=lambda one: one[0])]
+    return Table.of(f"{asked.cost}-in-short", caption, rows)
+
+
+def _firsts(measured: Mapping[str, Floats], name: str, budget: int) -> int:
+    """Return on how many terrains the mean cost of a row is the least."""
+    means = {other: costs[:, budget].mean(axis=1) for other, costs in measured.items()}
+    least = np.min(list(means.values()), axis=0)
+    return int((means[name] <= least).sum())
+
+
+def _by_terrain(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, best: Floats) -> Table:
+    rows = []
+    for k, terrain in enumerate(terrains):
+        row: dict[str, Entry] = {"terrain": terrain, "best": number(float(best[k]), ".0f")}
+        for name, costs in measured.items():
+            if not name.endswith("uniform") or name.startswith("PSO"):
+                row[name] = number(float(costs[k, 0].mean()), ".0f")
+        rows.append(row)
+    caption = (
+        f"Mean of the cost `{asked.cost}` after {asked.evaluations[0]:,} evaluations by terrain, over "
+        f"{asked.runs} runs, and the best cost that any run of any budget has found"
+    )
+    return Table.of(f"{asked.cost}-by-terrain", caption, rows)
+
+
+def _listed(terrains: Sequence[str]) -> str:
+    return ", ".join(terrains) if len(terrains) <= 8 else f"{terrains[0]} to {terrains[-1]}"
