@@ -55,7 +55,8 @@ GRID = (
 )
 THREATS = (
     b'{"type": "FeatureCollection", "features": [{"type": "Feature", '
-    b'"properties": {"radius": 75, "height": 30.5}, "geometry": {"type": "Point", "coordinates": [7.5, 46.5]}}]}'
+    b'"properties": {"radius": 75, "height": 30.5}, '
+    b'"geometry": {"type": "Point", "coordinates": [7.5, 46.5]}}]}'
 )
 IMAGE = b"P5\n# a comment\n4 3\n255\n" + bytes([254, 205, 0] * 4)
 NAMES = (
