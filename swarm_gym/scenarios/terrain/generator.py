@@ -94,7 +94,7 @@ class Draws(NamedTuple):
 
     @property
     def is_possible(self) -> bool:
-        """Whether all threats lie on the map, and the drone at the goal touches none."""
+        """True if all threats lie on the map, and the drone at the goal touches none."""
         on_map = bool((self.threats[:, :2] < SIDE).all())
         return on_map and _distance(self.threats, *self.goal) > DRONE
 
