@@ -10,7 +10,15 @@ from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import End, thinnest
 from swarm_gym.planning.workspace import RobotWorkspace, confined
-from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridScenario,
+    MapScenario,
+    Point,
+    Scenario,
+    TerrainScenario,
+    make_scenario,
+)
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, Projection
 from swarm_gym.scenarios.formats.moving_ai import read_map
@@ -64,6 +72,11 @@ def read_any_map(
 def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
     """Return a scenario or the one of that name, with other ends where these are given."""
     scenario = make_scenario(str(where) if isinstance(where, Path) else where)
+    if isinstance(scenario, TerrainScenario):
+        raise ScenarioError(
+            f"scenario {shown(scenario.name)}: a flight over terrain has heights; plan it with "
+            "swarm_gym.plan_flight"
+        )
     if not isinstance(scenario, Scenario | GridScenario):
         raise ScenarioError(f"scenario {shown(scenario.name)}: planning needs a map that stays as it is")
     ends = (scenario.start if start is None else start), (scenario.target if goal is None else goal)

@@ -14,6 +14,7 @@ from oracles.flown_terrain import faults
 from swarm_gym import plan_flight
 from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
+from swarm_gym.planning import plan
 from swarm_gym.planning.flights import search
 from swarm_gym.planning.flights.writing import FORMATS, as_mission, write_flight
 from swarm_gym.scenarios import make_scenario
@@ -122,6 +123,8 @@ def test_a_scenario_has_its_own_ends(grid):
     assert plan_flight(make_scenario(name)).length == found.length
     with pytest.raises(ScenarioError, match="a scenario has its own start"):
         plan_flight(name, START, GOAL)
+    with pytest.raises(ScenarioError, match=r"plan it with swarm_gym\.plan_flight"):
+        plan(name)
     with pytest.raises(ScenarioError, match="expected terrain to fly over"):
         plan_flight("case1")
     with pytest.raises(ScenarioError, match="a file needs a start and a goal"):
