@@ -22,7 +22,7 @@ COLUMNS = 96
 COMMANDS = {
     "Use": (
         "swarm_gym.plan", "swarm_gym.warm_up", "swarm_gym.scenarios.download",
-        "swarm_gym.reference.waypoint_optimum",
+        "swarm_gym.scenarios.terrain.convert_uav56", "swarm_gym.reference.waypoint_optimum",
     ),
     "Train": (
         "swarm_gym.training.command_line", "swarm_gym.tuning.command_line", "agents.train", "agents.tune",

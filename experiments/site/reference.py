@@ -88,7 +88,10 @@ PAGES = {
     "planning": ReferencePage(
         "Planning",
         "A free path on any map, the repair of paths, and planners to compare with.",
-        ("swarm_gym.planning", "swarm_gym.final_repair", "swarm_gym.reference"),
+        (
+            "swarm_gym.planning", "swarm_gym.planning.flights", "swarm_gym.final_repair",
+            "swarm_gym.reference",
+        ),
     ),
     "own-code": ReferencePage(
         "Own code",

@@ -19,6 +19,7 @@ from swarm_gym.scenarios import (
     MapScenario,
     Point,
     Scenario,
+    TerrainScenario,
     make_scenario,
 )
 from swarm_gym.scenarios.formats.data_files import find_data_file
@@ -142,6 +143,11 @@ def _refuse_grading(grading: Grading, name: str) -> None:
 def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
     """Return a scenario or the one of that name, with other ends where these are given."""
     scenario = make_scenario(str(where) if isinstance(where, Path) else where)
+    if isinstance(scenario, TerrainScenario):
+        raise ScenarioError(
+            f"scenario {shown(scenario.name)}: a flight over terrain has heights; plan it with "
+            "swarm_gym.plan_flight"
+        )
     if not isinstance(scenario, Scenario | GridScenario):
         raise ScenarioError(f"scenario {shown(scenario.name)}: planning needs a map that stays as it is")
     ends = (scenario.start if start is None else start), (scenario.target if goal is None else goal)

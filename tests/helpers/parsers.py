@@ -8,6 +8,7 @@ import itertools
 import json
 import math
 import os
+import pickle
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -30,8 +31,11 @@ from swarm_gym.errors import ScenarioError, SwarmGymError
 from swarm_gym.observation import make_observation
 from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.scenarios import expand_name
+from swarm_gym.scenarios.formats import esri_grid
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.threat_file import read_threats
+from swarm_gym.scenarios.terrain.safe_pickle import load_arrays
 from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
 for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "pyproj", "shapely", "yaml"):
@@ -45,11 +49,21 @@ YAML = (
     b"image: small.pgm\nresolution: 0.05\norigin: [-10.0, 1e1, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
     b"free_thresh: 0.196 # a comment\nmode: trinary\n"
 )
+GRID = (
+    b"ncols 3\nnrows 2\nxllcorner 0.5\nyllcenter -1e1\ncellsize 25\nNODATA_value -9999\n"
+    b"1 2.5 3\n-9999 5 6e2\n"
+)
+THREATS = (
+    b'{"type": "FeatureCollection", "features": [{"type": "Feature", '
+    b'"properties": {"radius": 75, "height": 30.5}, '
+    b'"geometry": {"type": "Point", "coordinates": [7.5, 46.5]}}]}'
+)
 IMAGE = b"P5\n# a comment\n4 3\n255\n" + bytes([254, 205, 0] * 4)
 NAMES = (
     b"random-fields:train:0-9", b"rooms:0-7", b"dynamic:case1-gate@9-drive@1,every=2,distance=3.5",
     b"function:rastrigin-10-shifted:0-3", b"function:bbob-15-10-1-5", b"moving-ai:den400d#0-799",
-    b"metabox-bbob:4-10-biased-seed:1-5",
+    b"metabox-bbob:4-10-biased-seed:1-5", b"terrain:train-few:0-3", b"uav56:0-55",
+    b"terrain-file:a.asc?start=0.5,-1,150&goal=2,0,150&altitude=90-200.5&turn=30&threats=t.geojson",
     b"moving-ai:a?start=0,0&goal=2,0",
     b"ros:a?start=0.5,-1&goal=2,0&inflate=0.1", b"routes:turtlebot3-A-B", b"block:5-5", b"P1",
 )  # fmt: skip
@@ -244,6 +258,23 @@ PARSERS = {
         _read_features,
         (ScenarioError,),
         (*_JSON, "LineString", "MultiPoint", "EPSG:3857", "geometries", "features", "1e-300", "179.9"),
+    ),
+    "esri-grid": Parser(
+        ".asc",
+        lambda: [GRID],
+        esri_grid.read,
+        (ScenarioError,),
+        ("xllcenter ", "dx ", "dy ", "nan", "1e999", "\r\n"),
+    ),
+    "threats": Parser(
+        ".geojson", lambda: [THREATS], read_threats, (ScenarioError,), (*_JSON, "top", "crs", "EPSG:32632")
+    ),
+    "pickle": Parser(
+        ".pkl",
+        lambda: [pickle.dumps({"H": np.eye(3), "n": np.float64(2.5)}, protocol) for protocol in (2, 4, 5)],
+        load_arrays,
+        (ScenarioError,),
+        ("cos\nsystem\n", "(S'x'\ntR.", "c__builtin__\neval\n", "numpy", "dtype", "ndarray", "latin1"),
     ),
     "scenario-name": Parser(
         ".txt", lambda: list(NAMES), _expand, (SwarmGymError,), ("-shifted:", "0-999999", "@", "#")

@@ -104,10 +104,13 @@ def plan_flight(
         )
     seconds = time.monotonic() - began
     if not search.improvements:
+        climb = search.least_climb()
+        steep = climb > task.scenario.largest_climb and math.isfinite(climb)
         raise NoPathError(
             f"no flight found over {task.scenario.name!r} with {search.evaluations:,} evaluations in "
             f"{seconds:.2f} "
-            "seconds; a larger budget, a wider altitude band or larger angles may help"
+            f"seconds; {f'each route needs a climb of {climb:.0f} degrees or more, so ' if steep else ''}"
+            "a larger budget, a wider altitude band or larger angles may help"
         )
     best = search.improvements[-1]
     return Flight(

@@ -49,6 +49,21 @@ def flown(scenario: TerrainScenario, route: Floats) -> Floats | None:
     return None
 
 
+def least_climb(scenario: TerrainScenario, route: Floats) -> float:
+    """Return the smallest angle of climb in degrees with which a route stays in the band, or infinity.
+
+    Args:
+        scenario: the task.
+        route: (k, 2) points of the map from start to goal, seen from above, whatever its turns.
+    """
+    track = _with_rims(scenario, ground_track(scenario, route))
+    low, high = _channel(scenario, track)
+    if (low > high).any():
+        return math.inf
+    places, heights = _taut(track.along, low, high)
+    return float(np.degrees(np.arctan2(np.abs(np.diff(heights)), np.diff(track.along[places]))).max())
+
+
 def _turns_too_much(scenario: TerrainScenario, route: Floats) -> bool:
     steps = np.diff(route, axis=0)
     steps = steps[(steps != 0.0).any(axis=1)]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.planning.flights.measures import length_of
-from swarm_gym.planning.flights.profile import flown
+from swarm_gym.planning.flights.profile import flown, least_climb
 from swarm_gym.planning.flights.result import FlightImprovement
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.scenarios import TerrainScenario
@@ -42,6 +42,7 @@ class FlightSearch:
         self._controller: Controller = make_controller(controller or CONTROLLER)
         self._seed, self._began, self._episodes = seed, began, 0
         self._environments: dict[int, SwarmEnv] = {}
+        self._refused: list[Floats] = []  # routes that cannot be flown
         self.improvements: list[FlightImprovement] = []
         self.evaluations = 0
 
@@ -97,6 +98,10 @@ class FlightSearch:
                 self._keep_best(env)
         self._keep_best(env)
 
+    def least_climb(self) -> float:
+        """Return the smallest angle of climb in degrees that a route so far needs, or infinity."""
+        return min((least_climb(self._scenario, route) for route in self._refused), default=math.inf)
+
     def _keep_ways(self, env: SwarmEnv) -> None:
         """Keep the flights over a coarse graph, beside which the members of a swarm begin."""
         problem = env.simulation.problems[0]
@@ -116,6 +121,7 @@ class FlightSearch:
         route = _straightened(self._scenario, route)
         flight = flown(self._scenario, route)
         if flight is None:
+            self._refused.append(route)
             return
         length = length_of(flight)
         if not self.improvements or length < self.improvements[-1].length:

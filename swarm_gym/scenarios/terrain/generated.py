@@ -12,7 +12,7 @@ A terrain whose goal lies in a threat is left out in the other splits, too: the 
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -109,11 +109,23 @@ def as_scenario(name: str, terrain: Terrain) -> TerrainScenario:
 
 def _test_draws(number: int) -> Draws:
     """Return terrain `number` of the one stream of the tests."""
-    stream = np.random.RandomState(SEED)
-    found = _next_possible(stream, FEW)
-    for k in range(1, number + 1):
-        found = _next_possible(stream, FEW if k < TESTS // 2 else MANY)
-    return found
+    stream = np.random.RandomState()
+    stream.set_state(_test_states()[number])
+    return _next_possible(stream, _test_threats(number))
+
+
+@lru_cache(maxsize=1)
+def _test_states() -> tuple[dict[str, Any], ...]:
+    """Return the states of the stream of the tests before each of its terrains."""
+    stream, states = np.random.RandomState(SEED), []
+    for number in range(TESTS):
+        states.append(stream.get_state(legacy=False))
+        _next_possible(stream, _test_threats(number))
+    return tuple(states)
+
+
+def _test_threats(number: int) -> int:
+    return FEW if number < TESTS // 2 else MANY
 
 
 def _next_possible(stream: np.random.RandomState, threats: int) -> Draws:

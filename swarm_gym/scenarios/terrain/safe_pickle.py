@@ -1,11 +1,16 @@
 """Pickled arrays, dictionaries, lists and numbers, read without running code of the file.
 
-A pickle can name any function and have it called. Here six names have a meaning, which can only make arrays
-of numbers; every other name is refused before anything is imported.
+A pickle can name any function and have it called. Here six names have a meaning, each that of code below;
+every other name is refused before anything is imported. NumPy restores nothing itself, since crafted states
+of arrays and types can break its memory. Shapes, types of numbers and bytes are taken from the file, and
+checked.
 """
 
 import io
+import math
 import pickle
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,10 +20,30 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.formats.data_files import open_file
 
 MAX_FILE = 2**31  # bytes
-NUMERIC = "biuf"  # kinds of the dtypes that are read
+DEEPEST = 20  # lists and dictionaries in each other
 
 
-class _Unpickler(pickle.Unpickler):
+def load_arrays(path: Path) -> Any:
+    """Return the content of a pickle that has only arrays, dictionaries, lists, tuples, texts and numbers.
+
+    Raises:
+        ScenarioError: if the file cannot be read, or has anything else.
+    """
+    try:
+        with open_file(path) as file:
+            content = file.read(MAX_FILE + 1)
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    if len(content) > MAX_FILE:
+        raise ScenarioError(f"{path}: expected at most {MAX_FILE} bytes, the file has more")
+    try:
+        return _plain(_Unpickler(io.BytesIO(content)).load(), DEEPEST)
+    except Exception as error:  # a damaged pickle may raise anything
+        raise ScenarioError(f"{path}: refused as a pickle of arrays: {shown(str(error))}") from error
+
+
+# The reader in Python, whose steps touch Python objects only.
+class _Unpickler(pickle._Unpickler):
     """A reader that knows arrays and numbers of NumPy, and nothing else."""
 
     def find_class(self, module: str, name: str) -> Any:
@@ -37,61 +62,113 @@ class _Unpickler(pickle.Unpickler):
         raise pickle.UnpicklingError("it refers to objects outside the file")
 
 
-def load_arrays(path: Path) -> Any:
-    """Return the content of a pickle that has only arrays, dictionaries, lists, texts and numbers.
+class _Named:
+    """A function that the file may name; it has no state that the file could change."""
+
+    __slots__ = ("_call",)
+    _call: Callable[..., Any]
+
+    def __init__(self, call: Callable[..., Any]):
+        object.__setattr__(self, "_call", call)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._call(*arguments)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise pickle.UnpicklingError("it changes a function")
+
+    def __setstate__(self, state: object) -> NoReturn:
+        raise pickle.UnpicklingError("it changes a function")
+
+
+class _DType:
+    """A type of numbers."""
+
+    __slots__ = ("code", "order")
+
+    def __init__(self, code: str):
+        self.code, self.order = code, "="
+
+    def __setstate__(self, state: Any) -> None:
+        if not isinstance(state, tuple) or len(state) < 2 or state[1] not in ("<", ">", "|", "="):
+            raise pickle.UnpicklingError("it has a type of numbers with another state")
+        self.order = state[1]
+
+
+class _Array:
+    """An array, whose content follows in the file."""
+
+    __slots__ = ("value",)
+
+    def __init__(self) -> None:
+        self.value: Any = None
+
+    def __setstate__(self, state: Any) -> None:
+        if not isinstance(state, tuple) or len(state) != 5:
+            raise pickle.UnpicklingError("it has an array with another state")
+        _, shape, dtype, fortran, content = state
+        self.value = _numbers(content, dtype, shape, "F" if fortran is True else "C")
+
+
+def _numbers(content: object, dtype: object, shape: object, order: object) -> Any:
+    """Return an array of bytes of the file.
 
     Raises:
-        ScenarioError: if the file cannot be read, or has anything else.
+        pickle.UnpicklingError: if type, shape and number of bytes do not fit.
     """
-    try:
-        with open_file(path) as file:
-            content = file.read(MAX_FILE + 1)
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
-    if len(content) > MAX_FILE:
-        raise ScenarioError(f"{path}: expected at most {MAX_FILE} bytes, the file has more")
-    try:
-        return _Unpickler(io.BytesIO(content)).load()
-    except Exception as error:  # a damaged pickle may raise anything
-        raise ScenarioError(f"{path}: refused as a pickle of arrays: {shown(str(error))}") from error
+    if not isinstance(content, bytes | bytearray) or not isinstance(dtype, _DType):
+        raise pickle.UnpicklingError("it has an array of objects, and only numbers are read")
+    if not isinstance(shape, tuple) or not all(type(side) is int and side >= 0 for side in shape):
+        raise pickle.UnpicklingError("it has an array of another shape")
+    numbers = np.dtype(dtype.code).newbyteorder(dtype.order)  # type: ignore[arg-type]
+    if len(shape) > 8 or math.prod(shape) * numbers.itemsize != len(content) or order not in ("C", "F"):
+        raise pickle.UnpicklingError("it has an array whose shape and bytes differ")
+    return np.frombuffer(bytes(content), numbers).reshape(shape, order=order)
 
 
-def _ndarray(*_: object) -> NoReturn:
+def _plain(found: Any, depth: int) -> Any:
+    """Return a content with arrays of NumPy in it.
+
+    Raises:
+        pickle.UnpicklingError: for anything else but dictionaries, lists, tuples, texts and numbers.
+    """
+    if isinstance(found, _Array):
+        if found.value is None:
+            raise pickle.UnpicklingError("it has an array without content")
+        return found.value
+    if found is None or type(found) in (str, bytes, bool, int, float, np.ndarray):
+        return found
+    if depth == 0:
+        raise pickle.UnpicklingError("it has lists too deep in each other")
+    if type(found) is dict:
+        return {key: _plain(value, depth - 1) for key, value in found.items()}
+    if type(found) in (list, tuple):
+        return [_plain(value, depth - 1) for value in found]
+    raise pickle.UnpicklingError(f"it has {type(found).__name__}, and only arrays and numbers are read")
+
+
+def _class_of_arrays(*_: object) -> NoReturn:
     """Stand for the class of arrays, which only `_reconstruct` may be given."""
     raise pickle.UnpicklingError("it calls the class of arrays")
 
 
-def _reconstruct(kind: object, shape: object, _code: object) -> Any:
-    """Return an empty array, whose content the pickle sets next."""
-    if kind is not _ndarray or shape != (0,):
+def _reconstruct(kind: object, *_: object) -> _Array:
+    """Return an array whose content follows."""
+    if kind is not _KNOWN["numpy", "ndarray"]:
         raise pickle.UnpicklingError("it has an array of another class")
-    return np.ndarray((0,), dtype=np.int8)
+    return _Array()
 
 
-def _from_buffer(content: object, dtype: object, shape: object, order: object) -> Any:
-    """Return an array of bytes of the file."""
-    if not isinstance(content, bytes | bytearray) or not isinstance(dtype, np.dtype):
-        raise pickle.UnpicklingError("it has an array without bytes or numbers")
-    if dtype.kind not in NUMERIC or not isinstance(shape, tuple) or order not in ("C", "F"):
-        raise pickle.UnpicklingError("it has an array of another kind")
-    return np.frombuffer(content, dtype).reshape(shape, order=order)
-
-
-def _dtype(code: object, *_: object) -> np.dtype[Any]:
+def _dtype(code: object, *_: object) -> _DType:
     """Return the type of numbers that a short text stands for."""
-    if not isinstance(code, str) or len(code) > 3:
-        raise pickle.UnpicklingError(f"it has the dtype {shown(code)}")
-    found: np.dtype[Any] = np.dtype(code, copy=True)
-    if found.kind not in NUMERIC:
+    if not isinstance(code, str) or not re.fullmatch("b1|[iu][1248]|f[248]", code):
         raise pickle.UnpicklingError(f"it has the dtype {shown(code)}, and only numbers are read")
-    return found
+    return _DType(code)
 
 
 def _scalar(dtype: object, content: object) -> Any:
     """Return a single number."""
-    if not isinstance(dtype, np.dtype) or dtype.kind not in NUMERIC or not isinstance(content, bytes):
-        raise pickle.UnpicklingError("it has a number of another kind")
-    return np.frombuffer(content, dtype, count=1)[0]
+    return _numbers(content, dtype, (), "C").item()
 
 
 def _encode(text: object, coding: object) -> bytes:
@@ -101,11 +178,11 @@ def _encode(text: object, coding: object) -> bytes:
     return text.encode("latin1")
 
 
-_KNOWN: dict[tuple[str, str], Any] = {
-    ("numpy.core.multiarray", "_reconstruct"): _reconstruct,
-    ("numpy.core.multiarray", "scalar"): _scalar,
-    ("numpy.core.numeric", "_frombuffer"): _from_buffer,
-    ("numpy", "ndarray"): _ndarray,
-    ("numpy", "dtype"): _dtype,
-    ("_codecs", "encode"): _encode,
+_KNOWN: dict[tuple[str, str], _Named] = {
+    ("numpy.core.multiarray", "_reconstruct"): _Named(_reconstruct),
+    ("numpy.core.multiarray", "scalar"): _Named(_scalar),
+    ("numpy.core.numeric", "_frombuffer"): _Named(_numbers),
+    ("numpy", "ndarray"): _Named(_class_of_arrays),
+    ("numpy", "dtype"): _Named(_dtype),
+    ("_codecs", "encode"): _Named(_encode),
 }

@@ -241,10 +241,12 @@ def _require_inside(
     for role, end, user in zip(("start", "goal"), ends, given, strict=True):
         if not ((end >= box[:2]) & (end <= box[2:])).all():
             x_min, y_min, x_max, y_max = elevation.box
+            hint = "is it in another system?"
+            if elevation.kind == PLANE and abs(user[0]) <= 180.0 and abs(user[1]) <= 90.0:
+                hint = f"for degrees choose coordinates {GEOGRAPHIC!r}"
             raise ScenarioError(
-                f"{path}: {role} {user[0]:g}, {user[1]:g} lies outside the map, which reaches from "
-                f"{x_min:g}, {y_min:g} to {x_max:g}, {y_max:g} in {elevation.kind} "
-                "coordinates; is it in another system?"
+                f"{path}: {role} {user[0]:.10g}, {user[1]:.10g} lies outside the map, which reaches from "
+                f"{x_min:.10g}, {y_min:.10g} to {x_max:.10g}, {y_max:.10g} ({elevation.kind}); {hint}"
             )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, numbers_below
-from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
+from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.terrain.generated import as_scenario
 from swarm_gym.scenarios.terrain.generator import Terrain
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
@@ -44,7 +44,8 @@ def make(name: str) -> TerrainScenario:
         path = find_data_file(FILE)
     except ScenarioError as error:
         raise ScenarioError(
-            f"scenario {shown(name)}: {error}; `{COMMAND} Model56.pkl` makes the file from the published one"
+            f"scenario {shown(name)}: no file {FILE} in the data folder {data_folder()}; "
+            f"`{COMMAND} Model56.pkl` makes it from the published file"
         ) from error
     return as_scenario(name, _terrain(path, int(name.partition(":")[2]), stamp_of(path)))
 

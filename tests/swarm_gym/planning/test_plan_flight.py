@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,6 +14,7 @@ from oracles.flown_terrain import faults
 from swarm_gym import plan_flight
 from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
+from swarm_gym.planning import plan
 from swarm_gym.planning.flights import search
 from swarm_gym.planning.flights.writing import FORMATS, as_mission, write_flight
 from swarm_gym.scenarios import make_scenario
@@ -70,6 +72,29 @@ def test_a_flight_between_threats_is_free_and_longer_time_is_no_worse(grid, smal
     assert found.sharpest_turn <= 45.0
 
 
+def test_a_real_elevation_model_is_flown_over(tmp_path, small):
+    # Three seconds of arc around Jacksboro, Tennessee: data of the US government, with matplotlib.
+    cbook = pytest.importorskip("matplotlib.cbook", reason="needs the extra `train`")
+    data = cbook.get_sample_data("jacksboro_fault_dem.npz")
+    corner = float(data["xmin"]), float(data["ymax"])  # the names of its ends to the north are swapped
+    path = write_asc(tmp_path / "fault.asc", data["elevation"][::-1], float(data["dx"]), corner)
+    threats = write_threats(
+        tmp_path / "t.geojson",
+        (-84.25, 36.59, {"radius": 1200}),
+        (-84.22, 36.62, {"radius": 900, "height": 90}),
+    )
+    start, goal = (-84.33, 36.53, 80.0), (-84.13, 36.66, 80.0)
+    limits = {"altitude": (40.0, 120.0), "largest_climb": 20.0, "threats": threats}
+    found = plan_flight(path, start, goal, optimizer="firefly", max_evaluations=500, **limits)
+    assert faults(found.map, found.waypoints.tolist()) == []
+    assert found.map.straight_line < found.length < 1.2 * found.map.straight_line
+    # The ground of the task is sampled from that of the file.
+    assert found.least_height > 39.0
+    write_flight(found, tmp_path / "f.plan")
+    items = json.loads((tmp_path / "f.plan").read_text())["mission"]["items"]
+    assert items[-1]["params"][4:6] == pytest.approx([36.66, -84.13])
+
+
 def test_where_the_line_is_free_no_swarm_is_needed(grid):
     found = plan_flight(grid[0], START, GOAL)
     assert (found.found_by, found.evaluations) == ("straight line", 0)
@@ -77,10 +102,18 @@ def test_where_the_line_is_free_no_swarm_is_needed(grid):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(0, 56, 5))
-def test_flights_over_generated_terrain_have_no_fault(number):
-    found = plan_flight(f"terrain:test:{number}", max_evaluations=60_000)
-    assert faults(found.map, found.waypoints.tolist()) == []
+def test_flights_over_generated_terrain_have_no_fault():
+    # Some of these terrains are so steep that no flight stays in the band, whatever its climb.
+    found = 0
+    for number in range(0, 56, 5):
+        scenario = replace(make_scenario(f"terrain:test:{number}"), largest_climb=75.0)
+        try:
+            flight = plan_flight(scenario, max_evaluations=20_000)
+        except NoPathError:
+            continue
+        found += 1
+        assert faults(flight.map, flight.waypoints.tolist()) == []
+    assert found >= 8
 
 
 def test_a_scenario_has_its_own_ends(grid):
@@ -90,6 +123,8 @@ def test_a_scenario_has_its_own_ends(grid):
     assert plan_flight(make_scenario(name)).length == found.length
     with pytest.raises(ScenarioError, match="a scenario has its own start"):
         plan_flight(name, START, GOAL)
+    with pytest.raises(ScenarioError, match=r"plan it with swarm_gym\.plan_flight"):
+        plan(name)
     with pytest.raises(ScenarioError, match="expected terrain to fly over"):
         plan_flight("case1")
     with pytest.raises(ScenarioError, match="a file needs a start and a goal"):
@@ -320,7 +355,7 @@ def test_help_is_that_of_flights_over_an_elevation_model(capsys):
 
 
 def test_no_flight_is_found_where_limits_leave_none(grid, small):
-    with pytest.raises(NoPathError, match="no flight found over 'a' with"):
+    with pytest.raises(NoPathError, match=r"no flight found over 'a' with .* each route needs a climb of"):
         plan_flight(grid[0], START, GOAL, largest_climb=0.1, **FAST)
 
 

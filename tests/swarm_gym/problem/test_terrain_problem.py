@@ -187,3 +187,30 @@ def test_a_flat_flight_costs_what_one_can_count():
     assert terms["angles"] == pytest.approx(2.0 * climb)
     assert terms["length"] == pytest.approx(5.0 * (2.0 * math.hypot(20.0, 10.0) + 120.0))
     assert (terms["band"], terms["ground"], terms["threats"], terms["limits"]) == (0.0, 0.0, 0.0, 0.0)
+
+
+@looped(
+    ("cost", "stored"),
+    [
+        (
+            "documented",
+            [
+                (94999.03131545373, 137.14212950585795),
+                (89159.45519879335, 84.01685402765781),
+                (92225.19589606373, 162.50151051775327),
+            ],
+        ),
+        (
+            "metabox",
+            [
+                (67445.75352215623, 381.03255803055333),
+                (16110.985239639629, 5.496205102542009),
+                (18452.94816457174, 16.33481399566898),
+            ],
+        ),
+    ],
+)
+def test_costs_stay_the_same_bits(cost, stored):
+    """A change of these numbers changes results; the changelog has to say so."""
+    problem = TerrainProblem(published_terrain(), "spherical", 10, cost)
+    assert [problem.evaluate(flight) for flight in drawn_flights(problem, 11, 3)] == stored

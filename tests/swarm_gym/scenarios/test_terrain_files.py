@@ -92,7 +92,8 @@ def test_a_name_stands_for_all_of_a_task(tmp_path, monkeypatch):
     ("options", "message"),
     [
         ({"start": (0.0, 0.0, 150.0)}, "start 0, 0 lies outside the map"),
-        ({"goal": (7.1, 46.2, 150.0)}, "is it in another system"),
+        ({"start": (0.0, 990.0, 150.0)}, "(plane); is it in another system?"),
+        ({"goal": (7.1, 46.2, 150.0)}, "for degrees choose coordinates 'longitude-latitude'"),
         ({"goal": (4500.0, 4500.0, math.nan)}, "goal must be x, y and height above ground"),
         ({"start": (1500.0, 2500.0)}, "start must be x, y and height above ground"),
         ({"start": (1500.0, 2500.0, 20.0)}, "expected the altitude band, 100.0 to 200.0"),

@@ -104,7 +104,7 @@ def test_a_file_with_other_terrains_is_refused(tmp_path, content, message):
 
 def test_a_missing_or_damaged_file_says_how_to_make_it(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
-    with pytest.raises(ScenarioError, match=r"convert_uav56 Model56\.pkl` makes the file"):
+    with pytest.raises(ScenarioError, match=r"convert_uav56 Model56\.pkl` makes it"):
         make_scenario("uav56:0")
     (tmp_path / "uav56.npz").write_bytes(b"PK and no more")
     with pytest.raises(ScenarioError, match="make it again"):
