@@ -31,7 +31,8 @@ from swarm_gym.observation import make_observation
 from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
-from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
+from swarm_gym.scenarios.graded_map import Grading
 from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
 for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "pyproj", "shapely", "yaml"):
@@ -112,6 +113,15 @@ def _read_yaml(path: Path) -> object:
     if not image.exists():
         image.write_bytes(IMAGE)
     return read_ros_map(path)
+
+
+def _read_array(path: Path) -> object:
+    described = path.with_suffix(".yaml")
+    described.write_bytes(YAML.replace(b"small.pgm", path.name.encode()) + b"mode: raw\n")
+    try:
+        return read_graded_ros_map(described, Grading(unknown="dear"))
+    finally:
+        described.unlink()
 
 
 def _read_features(path: Path) -> object:
@@ -204,6 +214,15 @@ def _picture(kind: str, mode: str) -> bytes:
     return content.getvalue()
 
 
+def _arrays() -> list[bytes]:
+    found = []
+    for array in (np.zeros((3, 5), np.int8), np.full((2, 2), 255, np.uint8), np.zeros((2, 3), np.int16)):
+        with io.BytesIO() as file:
+            np.save(file, array)
+            found.append(file.getvalue())
+    return found
+
+
 def _pictures() -> list[bytes]:
     kinds = [("PNG", "L"), ("PNG", "RGBA"), ("PNG", "P"), ("PNG", "I;16"), ("BMP", "L"), ("BMP", "RGB")]
     return [_picture(*kind) for kind in (*kinds, ("JPEG", "L"), ("JPEG", "RGB"))]
@@ -237,6 +256,9 @@ PARSERS = {
         _read_image,
         (ScenarioError,),
         _IMAGE,
+    ),
+    "ros-array": Parser(
+        ".npy", _arrays, _read_array, (ScenarioError,), ("fortran_order", "'|u1'", "(9999,9999)", "V2", "O")
     ),
     "geojson": Parser(
         ".geojson",

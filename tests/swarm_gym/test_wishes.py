@@ -135,7 +135,7 @@ def test_wishes_that_cannot_be_are_refused(options, error, words):
 def test_wishes_need_a_map_of_cells_and_maps_of_cells_need_ends():
     with pytest.raises(SettingError, match="map 'case1' has circles and polygons"):
         plan("case1", wishes={"distance": 1.0})
-    with pytest.raises(ScenarioError, match="needs a start and a goal"):
+    with pytest.raises(ScenarioError, match="expected a start and a goal"):
         plan(EMPTY)
     assert plan(EMPTY, (1.0, 1.0), (20.0, 1.0)).length == pytest.approx(19.0)
 
