@@ -169,6 +169,7 @@ docs-study: study-full ## fill docs/study.md and docs/study-tables.md from all s
 docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, and fill docs/planners.md (three hours)
 	$(BIN)/python -m experiments.planners
 	$(BIN)/python -m experiments.planners --replanning --tasks 10 --seeds 3
+	$(BIN)/python -m experiments.planners.streams
 	$(BIN)/python -m experiments.publish planners
 
 docs-known-optimum: $(INSTALLED) ## compare controllers on OneMax with the optimum, and fill docs/known-optimum.md (an hour on one core); PUBLISHED=folder of OneMax-MPDAC

@@ -177,6 +177,7 @@ def of_swarm(name: str) -> Planner:
                 max_seconds=checkpoints[-1],
                 seed=seed,
                 previous=task.previous if swarm.goes_on else None,
+                switch_margin=0.0,  # the shortest path counts
             )
         except NoPathError:
             return []

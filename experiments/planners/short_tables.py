@@ -34,4 +34,5 @@ def _short(name: str, planners: Sequence[str], results: ResultsFolder) -> str:
 SHORT_TABLES: Mapping[str, Block] = {
     "planners": partial(_short, "planners", PLANNING),
     "replanning": partial(_short, "replanning", REPLANNING),
+    "streams": partial(ResultsFolder.text, name="streams.md"),
 }

@@ -68,7 +68,7 @@ class Planner:
         self._wishes, self._switch_margin = wishes, switch_margin
         self._stops: set[threading.Event] = set()
         self._lock = threading.Lock()
-        grading = Grading(unknown, lethal, terrain)
+        self._of_files = grading = Grading(unknown, lethal, terrain)
         self._where = read_cells(where, grading)
         is_of_cells = isinstance(self._where, GridMap | GradedMap)
         self._grading = Grading() if is_of_cells else grading
@@ -78,13 +78,17 @@ class Planner:
         """Return the planner of the same robot on another map, as after the map has changed.
 
         Args:
-            where: a map, as in `swarm_gym.plan`; grades in a file mean what they usually do.
+            where: a map, as in `swarm_gym.plan`; grades in a file mean what they mean here.
 
         Raises:
             ScenarioError: for a map that is missing or malformed.
         """
+        grading = self._of_files if isinstance(where, str | Path) else Grading()
         return Planner(
             where,
+            unknown=grading.unknown,
+            lethal=grading.lethal,
+            terrain=grading.terrain,
             robot_radius=self._margin,
             workspace=self._workspace,
             coordinates=self._coordinates,

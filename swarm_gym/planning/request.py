@@ -61,11 +61,12 @@ class Request:
     def wished(self, task: Task) -> WishedTask | None:
         """Return the task with its wishes; None if the length alone counts.
 
-        Costs of ground count with a weight of 1 where no wishes are named and no swarm is.
+        Costs of ground count with a weight of 1 where there are some, and no wishes and no swarm are named.
 
         Raises:
             SettingError: for wishes that the map cannot have.
         """
-        usual = {} if task.costs is None or self.names_swarm else {"ground": 1.0}
+        has_costs = task.costs is not None and bool(task.costs.any())
+        usual = {"ground": 1.0} if has_costs and not self.names_swarm else {}
         weights = require_wishes(usual if self.wishes is None else self.wishes)
         return WishedTask(task, weights) if any(weights.values()) else None

@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 
 WISHES = ("ground", "distance")
 DECAY = 3.0  # cells, at least, within which the cost of nearness falls to 1 / e
+MOST_CELLS = 2**22  # the search takes half a gigabyte for a million
 EDGE = 1e-9  # how far beside a border between cells a path counts as on it, in cells
 
 
@@ -54,7 +55,7 @@ class WishedTask:
         weights: weight of each name in `WISHES`.
 
     Raises:
-        SettingError: if the map has no cells, or no costs of ground though these have a weight.
+        SettingError: if the map has no cells or too many, or no costs of ground though these have a weight.
     """
 
     task: Task
@@ -65,6 +66,12 @@ class WishedTask:
             raise SettingError(
                 f"wishes: expected a map of cells, map {shown(self.task.given.name)} has circles and "
                 "polygons; leave the option out"
+            )
+        cells = self.task.given.map.blocked.size
+        if cells > MOST_CELLS:
+            raise SettingError(
+                f"wishes: expected a map of at most {MOST_CELLS:,} cells, map {shown(self.task.given.name)} "
+                f"has {cells:,}; plan on the part around start and goal, or on larger cells"
             )
         if self.weights["ground"] > 0.0 and self.task.costs is None:
             raise SettingError(

@@ -33,8 +33,9 @@ from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats import esri_grid
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
-from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
 from swarm_gym.scenarios.formats.threat_file import read_threats
+from swarm_gym.scenarios.graded_map import Grading
 from swarm_gym.scenarios.terrain.safe_pickle import load_arrays
 from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
@@ -128,6 +129,15 @@ def _read_yaml(path: Path) -> object:
     return read_ros_map(path)
 
 
+def _read_array(path: Path) -> object:
+    described = path.with_suffix(".yaml")
+    described.write_bytes(YAML.replace(b"small.pgm", path.name.encode()) + b"mode: raw\n")
+    try:
+        return read_graded_ros_map(described, Grading(unknown="dear"))
+    finally:
+        described.unlink()
+
+
 def _read_features(path: Path) -> object:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -218,6 +228,15 @@ def _picture(kind: str, mode: str) -> bytes:
     return content.getvalue()
 
 
+def _arrays() -> list[bytes]:
+    found = []
+    for array in (np.zeros((3, 5), np.int8), np.full((2, 2), 255, np.uint8), np.zeros((2, 3), np.int16)):
+        with io.BytesIO() as file:
+            np.save(file, array)
+            found.append(file.getvalue())
+    return found
+
+
 def _pictures() -> list[bytes]:
     kinds = [("PNG", "L"), ("PNG", "RGBA"), ("PNG", "P"), ("PNG", "I;16"), ("BMP", "L"), ("BMP", "RGB")]
     return [_picture(*kind) for kind in (*kinds, ("JPEG", "L"), ("JPEG", "RGB"))]
@@ -251,6 +270,9 @@ PARSERS = {
         _read_image,
         (ScenarioError,),
         _IMAGE,
+    ),
+    "ros-array": Parser(
+        ".npy", _arrays, _read_array, (ScenarioError,), ("fortran_order", "'|u1'", "(9999,9999)", "V2", "O")
     ),
     "geojson": Parser(
         ".geojson",

@@ -46,6 +46,9 @@ def test_a_file_is_read_once():
     planner = Planner(file, robot_radius=0.1, unknown="free")
     found = planner.plan((-2.0, -0.5), (2.0, 0.5))
     assert_free(found, 0.1)
+    assert found.found_by == "exact planner"  # free cells have no costs
+    assert planner.with_map(file).plan((-2.0, -0.5), (2.0, 0.5)).map.map == found.map.map
+    assert Planner(file).plan((-2.0, -0.5), (2.0, 0.5)).map.map != found.map.map
     assert planner.plan((-2.0, 0.5), (2.0, 0.5)).map.map is found.map.map
     with pytest.raises(ScenarioError, match="no file"):
         Planner("nowhere.yaml")

@@ -10,7 +10,7 @@ from scipy import ndimage, optimize
 from helpers.plans import assert_free, obstacles_of
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.plan import main
-from swarm_gym.planning import plan
+from swarm_gym.planning import plan, wishes
 from swarm_gym.planning.tasks import read_task
 from swarm_gym.planning.wishes import WishedTask
 from swarm_gym.scenarios import GridMap, make_scenario
@@ -132,10 +132,13 @@ def test_wishes_that_cannot_be_are_refused(options, error, words):
         plan("rooms:0", **options)
 
 
-def test_wishes_need_a_map_of_cells_and_maps_of_cells_need_ends():
+def test_wishes_need_a_map_of_cells_and_maps_of_cells_need_ends(monkeypatch):
     with pytest.raises(SettingError, match="map 'case1' has circles and polygons"):
         plan("case1", wishes={"distance": 1.0})
-    with pytest.raises(ScenarioError, match="needs a start and a goal"):
+    monkeypatch.setattr(wishes, "MOST_CELLS", 100)
+    with pytest.raises(SettingError, match="at most 100 cells, map 'rooms:0' has"):
+        plan("rooms:0", wishes={"distance": 1.0})
+    with pytest.raises(ScenarioError, match="expected a start and a goal"):
         plan(EMPTY)
     assert plan(EMPTY, (1.0, 1.0), (20.0, 1.0)).length == pytest.approx(19.0)
 

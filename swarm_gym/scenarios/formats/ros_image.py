@@ -137,7 +137,8 @@ def read_picture(path: Path) -> Picture:
 def _read_array(path: Path) -> Picture:
     """Return the values of an array of 8 bits, whose row 0 is the lowest; -1 becomes 255."""
     try:
-        with open_file(path) as file:
+        with open_file(path) as file, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of headers that Python 2 wrote
             version = np.lib.format.read_magic(file)
             reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else None
             if reader is None:
@@ -154,8 +155,8 @@ def _read_array(path: Path) -> Picture:
             values = np.load(file, allow_pickle=False)
     except ScenarioError:
         raise
-    except (OSError, ValueError, EOFError, SyntaxError, TypeError) as error:
-        raise ScenarioError(f"{path}: cannot be read as an array of NumPy: {error}") from error
+    except Exception as error:  # malformed headers raise errors of many kinds
+        raise ScenarioError(f"{path}: cannot be read as an array of NumPy: {error!s:.400}") from error
     return Picture(values.view(np.uint8)[::-1].astype(np.uint16), 255, None)
 
 
