@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from experiments.studies.terrain.rows import PLANNED, SIZES, Row
+from experiments.studies.terrain.peers import best_cost
+from experiments.studies.terrain.rows import PLANNED, SIZES, AnyRow, PeerRow, Row
 from swarm_gym.controllers import make_controller
 from swarm_gym.files import write_atomically
 from swarm_gym.problem import TerrainProblem
@@ -36,17 +37,21 @@ class Asked(NamedTuple):
     runs: int
 
 
-def measure(row: Row, terrain: str, asked: Asked, folder: Path) -> Floats:
+def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
     """Return the best costs, (budgets, runs), of a row on a terrain; known ones are read from the folder."""
     scenario = make_scenario(terrain)
     problem = make_problem(scenario, encoding=row.encoding, cost=asked.cost)
     identity = {"row": list(row), "runs": asked.runs, "problem": repr(problem.identity)}
     found = []
     for evaluations in asked.evaluations:
-        name = f"{terrain.replace(':', '-')}-{asked.cost}-{'-'.join(row)}-{evaluations}-{asked.runs}.json"
+        parts = (terrain.replace(":", "-"), asked.cost, *row, str(evaluations), f"{asked.runs}.json")
+        name = "-".join(parts).replace(" ", "-")
         stored = _read(folder / name, identity)
         if stored is None:
-            stored = _run(row, terrain, asked, evaluations)
+            if isinstance(row, PeerRow):
+                stored = [best_cost(row.peer, problem, evaluations, seed) for seed in TEST[: asked.runs]]
+            else:
+                stored = _run(row, terrain, asked, evaluations)
             folder.mkdir(parents=True, exist_ok=True)
             write_atomically(folder / name, json.dumps({"asked": identity, "costs": stored}) + "\n")
         found.append(stored)
@@ -54,7 +59,7 @@ def measure(row: Row, terrain: str, asked: Asked, folder: Path) -> Floats:
 
 
 def measure_all(
-    chosen: Iterable[Row], terrains: Sequence[str], asked: Asked, folder: Path
+    chosen: Iterable[AnyRow], terrains: Sequence[str], asked: Asked, folder: Path
 ) -> dict[str, Floats]:
     """Return the best costs, (terrains, budgets, runs), of all rows by name, planned flights among them.
 

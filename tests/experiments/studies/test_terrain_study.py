@@ -6,11 +6,14 @@ import pytest
 from experiments import terrain as command
 from experiments.studies.terrain import measured_costs
 from experiments.studies.terrain.measured_costs import Asked, measure, planned_cost
-from experiments.studies.terrain.rows import PLANNED, Row, rows
+from experiments.studies.terrain.peers import PEERS, Counted, best_cost
+from experiments.studies.terrain.rows import PLANNED, PeerRow, Row, rows
 from experiments.studies.terrain.tables_of_costs import tables
 from helpers.terrains import rolling_terrain
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.scenarios import registry
+from swarm_gym.runs.seeds import TEST
+from swarm_gym.scenarios import make_scenario, registry
+from swarm_gym.worlds import make_problem
 
 ASKED = Asked("metabox", (100, 200), 3)
 ROW = Row("firefly", "waypoints", "guided")
@@ -40,15 +43,37 @@ def test_tables_have_excess_over_the_best_and_count_firsts():
     other = np.array([[[20.0, 20.0], [20.0, 20.0]], [[30.0, 30.0], [25.0, 25.0]]])
     asked = Asked("metabox", (100, 200), 2)
     short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked)
-    found = {str(row[0]): [cell.numbers["value"] for cell in row[1:]] for row in short.rows}
+    found = {str(row[0]): [cell.numbers["value"] for cell in row[1:6]] for row in short.rows}
     assert found["PSO, one"] == pytest.approx([55.0, 60.0, 12.5, 0.0, 1])
     assert found[PLANNED] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
     assert [str(row[0]) for row in short.rows] == ["PSO, one", PLANNED]
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [10.0, 20.0]
 
 
+def test_the_best_peer_is_named_and_rows_are_counted_against_it():
+    mine = np.array([[[10.0, 12.0]], [[40.0, 40.0]]])
+    peer = np.array([[[20.0, 20.0]], [[30.0, 30.0]]])
+    measured = {"PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer}
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2))
+    assert "that of pymoo DE, spherical, the library row" in short.caption
+    found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
+    assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
+
+
+@pytest.mark.parametrize("peer", PEERS)
+def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrain, tmp_path):
+    row = PeerRow(peer, "waypoints")
+    costs = measure(row, little_terrain, ASKED, tmp_path)
+    problem = make_problem(make_scenario(little_terrain), cost="metabox")
+    assert best_cost(peer, problem, 200, TEST[0]) == costs[1, 0]
+    assert best_cost(peer, problem, 200, TEST[1]) != costs[1, 0]
+    counted = Counted(problem, 200)
+    PEERS[peer](counted, 1)
+    assert counted.left == 0
+
+
 def test_rows_have_names_of_their_own():
-    assert len({row.name for row in rows()}) == len(rows()) == 16
+    assert len({row.name for row in rows()}) == len(rows()) == 16 + 2 * len(PEERS)
 
 
 def test_the_command_refuses_by_name(tmp_path):
