@@ -39,8 +39,7 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
             row[f"mean excess, {evaluations:,}"] = number(100.0 * excess[:, k].mean(), ".0f")
             row[f"median, {evaluations:,}"] = number(100.0 * np.median(excess[:, k]), ".0f")
         row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
-        below = MISSING if peer is None else number(_below(measured, name, peer), ".0f")
-        row["below the best peer"] = below
+        row["below the best peer"] = _below(measured, name, peer)
         found.append((float(excess[:, 0].mean()), row))
     caption = (
         f"Excess of the cost `{asked.cost}` over the best flight that any of these runs has found, in per "
@@ -55,7 +54,7 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
 
 
 def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
-    """Return the row of another library with the least mean excess after the first budget, if there is one."""
+    """Return the library row with the least mean excess after the first budget; None if there is none."""
     excess = {
         name: float((costs[:, 0] / best[:, None]).mean())
         for name, costs in measured.items()
@@ -64,9 +63,12 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     return min(excess, key=lambda name: excess[name], default=None)
 
 
-def _below(measured: Mapping[str, Floats], name: str, peer: str) -> int:
+def _below(measured: Mapping[str, Floats], name: str, peer: str | None) -> Entry:
     """Return on how many terrains the mean cost of a row after the first budget is below that of a peer."""
-    return int((measured[name][:, 0].mean(axis=1) < measured[peer][:, 0].mean(axis=1)).sum())
+    if peer is None:
+        return MISSING
+    below = measured[name][:, 0].mean(axis=1) < measured[peer][:, 0].mean(axis=1)
+    return number(int(below.sum()), ".0f")
 
 
 def _firsts(measured: Mapping[str, Floats], name: str, budget: int) -> int:
