@@ -15,6 +15,7 @@ SECONDS = 3600
 comma := ,
 EXTRAS = maps,terrain,render,video,study,planners,adapters,ray,slurm
 EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
+EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -182,8 +183,9 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
-	$(BIN)/python -m experiments.terrain --cost metabox
-	$(BIN)/python -m experiments.terrain --cost documented
+	$(BIN)/python -m experiments.terrain --evaluations 2500 --output results/terrain/all
+	$(BIN)/python -m experiments.terrain --cost metabox --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
+	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
 	$(BIN)/python -m experiments.publish terrain
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md

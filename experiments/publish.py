@@ -123,11 +123,14 @@ STRONG_BLOCKS: Mapping[str, Block] = {
     "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
 }
 TERRAIN_BLOCKS: Mapping[str, Block] = {
-    "metabox": partial(ResultsFolder.text, name="terrain/metabox-in-short.md"),
+    "test-terrains": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
-    name: partial(ResultsFolder.text, name=f"terrain/{name}.md")
-    for name in ("documented-in-short", "metabox-by-terrain", "documented-by-terrain")
+    "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
+    **{
+        name: partial(ResultsFolder.text, name=f"terrain/eight/{name}.md")
+        for name in ("documented-in-short", "documented-by-terrain", "metabox-in-short", "metabox-by-terrain")
+    },
 }
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {

@@ -1,7 +1,5 @@
 """Kinds of scenarios: which problems the settings make of them, and which options have an effect there."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from swarm_gym.checks import require_integer, require_number
@@ -108,7 +106,7 @@ class Kind(NamedTuple):
     options: dict[str, tuple[str, ...]]
     sourced: tuple[str, ...] = ()
     calls_python: bool = False
-    defaults: Mapping[str, object] = MappingProxyType({})
+    defaults: tuple[tuple[str, object], ...] = ()
 
 
 KINDS: dict[type, Kind] = {
@@ -136,7 +134,7 @@ KINDS: dict[type, Kind] = {
             "spherical": ("encoding", "num_waypoints", "cost"),
         },
         sourced=("waypoints", "spherical"),
-        defaults=MappingProxyType({"num_waypoints": 10}),
+        defaults=(("num_waypoints", 10),),
     ),
     # Before the test functions, which they are subclasses of: their problem tables are others.
     BbobScenario: Kind("BBOB functions", {"waypoints": ()}),

@@ -142,7 +142,9 @@ class Settings:
         knobs: dict[str, Any] = {name: options[name] for name in options if name in optimizer.parameters}
         optimizer.parameter_values(knobs)
         settings = cls(**values, knobs=knobs)
-        defaults: dict[str, Any] = {k: v for k, v in settings.kind.defaults.items() if k not in values}
+        defaults: dict[str, Any] = {
+            name: value for name, value in settings.kind.defaults if name not in values
+        }
         settings = replace(settings, **defaults) if defaults else settings
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings.refuse_unused(options)

@@ -112,7 +112,7 @@ def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     settings = Settings(scenario=scenario, **chosen)
     if "encoding" not in options and settings.encoding not in settings.kind.options:
         settings = replace(settings, encoding=next(iter(settings.kind.options)))
-    defaults: dict[str, Any] = {k: v for k, v in settings.kind.defaults.items() if k not in options}
+    defaults: dict[str, Any] = {name: value for name, value in settings.kind.defaults if name not in options}
     settings = replace(settings, **defaults) if defaults else settings
     settings.refuse_unused(options)
     return problems_for(settings)[len(worlds_of(settings.scenarios[0])) - 1]

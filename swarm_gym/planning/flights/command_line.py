@@ -35,7 +35,7 @@ def flies(arguments: Sequence[str]) -> bool:
         found = parser.parse_known_args(list(arguments))[0].map
     except (argparse.ArgumentError, SystemExit):
         return False
-    named = found is not None and found.strip().partition(":")[0] in FAMILIES
+    named = found is not None and found.strip().startswith(tuple(f"{family}:" for family in FAMILIES))
     return named or is_elevation(found)
 
 

@@ -44,7 +44,7 @@ def as_page(flight: Flight) -> str:
         ],
     }
     here = files("swarm_gym.planning.flights")
-    template = here.joinpath("page.html").read_text("utf-8")
+    template = here.joinpath("page.html").read_text(encoding="utf-8")
     rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in facts)
     return (
         template.replace("{{title}}", escape(f"A flight over {scenario.name}"))

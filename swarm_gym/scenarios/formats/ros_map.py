@@ -195,8 +195,7 @@ def _read(path: Path, described: RosMapFile, _stamp: tuple[int, int]) -> GridMap
     picture = _picture_of(path, described)
     probability = _probabilities(described, picture.white)
     # Unknown cells are blocked like occupied ones, so occupied_thresh decides nothing.
-    below = np.less_equal if described.mode == "scale" else np.less
-    free_levels = below(probability, described.free_thresh)
+    free_levels = _is_free(described, probability)
     free = free_levels[picture.levels]
     if picture.opaque is not None:
         free &= picture.opaque
@@ -233,13 +232,18 @@ def _published(described: RosMapFile, picture: Picture) -> NDArray[np.int64]:
         if described.mode == "scale":
             share = (probability - low) / max(high - low, 1e-9)
             values = np.floor(99.0 * np.clip(share, 0.0, 1.0)).astype(np.int64)
-        below = np.less_equal if described.mode == "scale" else np.less
         values[probability > high] = 100
-        values[below(probability, low)] = 0
+        values[_is_free(described, probability)] = 0
     published = values[picture.levels]
     if picture.opaque is not None:
         published[~picture.opaque] = unknown
     return published
+
+
+def _is_free(described: RosMapFile, probability: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which probabilities mean free cells."""
+    below = np.less_equal if described.mode == "scale" else np.less
+    return below(probability, described.free_thresh)
 
 
 def _probabilities(described: RosMapFile, white: int) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.command import command
 from swarm_gym.errors import ScenarioError, shown
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     target = options.output or data_folder() / FILE
     with command(ScenarioError):
-        arrays = converted(options.file)
+        arrays: dict[str, Any] = {**converted(options.file)}
         content = BytesIO()
         np.savez_compressed(content, **arrays)
         write_atomically(target, content.getvalue())
@@ -45,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def converted(path: Path) -> dict[str, Any]:
+def converted(path: Path) -> dict[str, NDArray[np.float64]]:
     """Return the arrays of all terrains of a pickle by names such as `heights_0`.
 
     Raises:
@@ -56,7 +57,7 @@ def converted(path: Path) -> dict[str, Any]:
         raise ScenarioError(
             f"{path}: expected {COUNT} terrains, got {shown(type(found).__name__)} of another size"
         )
-    arrays: dict[str, Any] = {}
+    arrays: dict[str, NDArray[np.float64]] = {}
     for number in range(COUNT):
         if isinstance(found, dict) and number not in found:
             raise ScenarioError(f"{path}: expected terrains 0 to {COUNT - 1}, terrain {number} is missing")

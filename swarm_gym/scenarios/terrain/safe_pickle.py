@@ -23,7 +23,7 @@ MAX_FILE = 2**31  # bytes
 DEEPEST = 20  # lists and dictionaries in each other
 
 
-def load_arrays(path: Path) -> Any:
+def load_arrays(path: Path) -> object:
     """Return the content of a pickle that has only arrays, dictionaries, lists, tuples, texts and numbers.
 
     Raises:
