@@ -83,12 +83,15 @@ class FlightSearch:
                 **self._controller.env_options(),
             )
             self._keep_ways(self._environments[count])
+        if self.improvements and time.monotonic() >= limit:
+            return  # the time was spent on planning ways
         env = self._environments[count]
         self._controller.reset(1, self._seed)
         observation, info = env.reset(seed=self._seed)
         self._seed += 1
         self._episodes += 1
-        ended, iteration, counted = False, 0, 0
+        ended, iteration, counted = False, 0, int(info["evaluations"])
+        self.evaluations += counted
         while not ended and time.monotonic() < limit:
             observation, _, ended, _, info = env.step(self._controller.act(observation[None])[0])
             iteration += 1

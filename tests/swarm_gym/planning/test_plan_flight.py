@@ -12,6 +12,8 @@ import pytest
 from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
 from oracles.flown_terrain import faults
 from swarm_gym import plan_flight
+from swarm_gym.controllers import make_controller
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
@@ -70,6 +72,23 @@ def test_a_flight_between_threats_is_free_and_longer_time_is_no_worse(grid, smal
     assert 100.0 <= found.least_height <= found.greatest_height <= 200.0
     assert found.steepest_climb <= 45.0
     assert found.sharpest_turn <= 45.0
+
+
+def test_a_budget_that_planning_has_spent_leaves_nothing_to_a_swarm(grid, small):
+    path, threats = grid
+    found = plan_flight(path, START, GOAL, threats=threats, optimizer="firefly", max_seconds=1e-3)
+    assert (found.found_by, found.evaluations) == ("coarse graph", 0)
+
+
+def test_evaluations_of_the_first_population_count(grid, monkeypatch):
+    monkeypatch.setattr(search, "ITERATIONS", 1)
+    monkeypatch.setattr(search, "WAYPOINTS", (8,))
+    path, threats = grid
+    found = plan_flight(path, START, GOAL, threats=threats, optimizer="firefly", max_evaluations=1)
+    options = make_controller(search.CONTROLLER).env_options()
+    env = SwarmEnv("firefly", scenario=found.map, num_waypoints=8, iterations=1, source="guided", **options)
+    assert env.reset(seed=0)[1]["evaluations"] == 60
+    assert env.step(np.array([60.0, 0.0]))[4]["evaluations"] == found.evaluations
 
 
 def test_a_real_elevation_model_is_flown_over(tmp_path, small):
