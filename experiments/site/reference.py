@@ -108,7 +108,8 @@ PAGES = {
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
         (
-            "agents", "swarm_gym.training.config", "swarm_gym.training.algorithms",
+            # Algorithms before what their names are imported into, or links from their source lead astray.
+            "agents", "swarm_gym.training.algorithms", "swarm_gym.training.config",
             "swarm_gym.training.presets",
             "swarm_gym.training.learners",
             "swarm_gym.training.learners.learner", "swarm_gym.wrappers", "swarm_gym.rollout",
