@@ -50,6 +50,20 @@ def point(text: str) -> tuple[float, float]:
     return x, y
 
 
+def budget(text: str) -> tuple[int | None, float | None]:
+    """Return the evaluations or the seconds of an argument such as `50000` or `2s`; the other is None.
+
+    Raises:
+        argparse.ArgumentTypeError: for any other text.
+    """
+    try:
+        return (None, float(text[:-1])) if text.endswith("s") else (int(text), None)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(
+            f"expected evaluations such as 50000 or seconds such as 2s, got {text!r}"
+        ) from error
+
+
 class _Terminated(BaseException):
     """The arrival of SIGTERM or Ctrl-Break; a `BaseException`, so that no `except Exception` stops it."""
 

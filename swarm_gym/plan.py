@@ -14,9 +14,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from swarm_gym.command import NumberParser, point
+from swarm_gym.command import NumberParser, budget, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.flights import command_line
+from swarm_gym.planning.flights.command_line import INVALID, NO_PATH
 from swarm_gym.planning.planner import plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.request import PLANNERS
@@ -26,8 +27,6 @@ from swarm_gym.planning.wishes import WISHES
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
 from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.scenarios.graded_map import UNKNOWN_CELLS
-
-INVALID, NO_PATH = 2, 3  # exit statuses
 
 EXAMPLES = """examples:
   python -m swarm_gym.plan --map case2 --output path.csv
@@ -49,11 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else arguments
     if command_line.flies(given):
         return command_line.main(given)
-    parser = _parser()
-    options = parser.parse_args(given)
+    options = _parser().parse_args(given)
     try:
         require_formats(options.output)
-        evaluations, seconds = _budget(parser, options.budget)
+        evaluations, seconds = options.budget
         with _warnings_in_a_line():
             found = plan(
                 options.map,
@@ -174,6 +172,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--budget",
+        type=budget,
+        default=(None, None),
         metavar="N|Ns",
         help="evaluations, e.g. 50000, or seconds, e.g. 2s; episodes begin until it is spent (default: five "
         "episodes)",
@@ -221,18 +221,6 @@ def _weights(text: str) -> dict[str, float]:
                 f"expected name=number, e.g. distance=2, got {part!r}"
             ) from error
     return found
-
-
-def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | None, float | None]:
-    """Return the evaluations or the seconds that a text stands for."""
-    if text is None:
-        return None, None
-    try:
-        return (None, float(text[:-1])) if text.endswith("s") else (int(text), None)
-    except ValueError:
-        parser.error(
-            f"argument --budget: expected evaluations such as 50000 or seconds such as 2s, got {text!r}"
-        )
 
 
 @contextmanager

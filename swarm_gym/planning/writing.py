@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from swarm_gym.errors import MissingExtraError, SettingError
+from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.drawing import as_png, as_svg
+from swarm_gym.planning.outputs import checked, format_of
 from swarm_gym.planning.result import Plan
 
 
@@ -90,16 +91,9 @@ def require_formats(paths: Iterable[Path]) -> None:
         SettingError: for an ending that is not in `FORMATS`, a folder, or a name that is given twice.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    seen = set()
-    for path in paths:
-        _format_of(path)
-        if path.is_dir():
-            raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
+    for path in checked(paths, FORMATS):
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "maps")
-        if path in seen:
-            raise SettingError(f"output {str(path)!r}: given twice; name each file once")
-        seen.add(path)
 
 
 def write_plan(plan: Plan, *paths: Path) -> list[Path]:
@@ -117,7 +111,7 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
     """
     contents: dict[Path, str | bytes] = {}
     for path in paths:
-        make = _format_of(path)
+        make = format_of(path, FORMATS)
         contents[path] = make(plan)
         if path.suffix != ".geojson":
             for number, one in enumerate(_each(plan)[1:], 2):
@@ -125,10 +119,3 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
     for path, content in contents.items():
         write_atomically(path, content)
     return list(contents)
-
-
-def _format_of(path: Path) -> Callable[[Plan], str | bytes]:
-    """Return the function that makes the content of a file of that name."""
-    if path.suffix not in FORMATS:
-        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(FORMATS)}")
-    return FORMATS[path.suffix]

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from swarm_gym.command import NumberParser
+from swarm_gym.command import NumberParser, budget
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.flights.planner import is_elevation, plan_flight
 from swarm_gym.planning.flights.result import Flight
@@ -158,7 +158,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--controller", help="name of the controller (default: a fixed population size)")
     parser.add_argument(
         "--budget",
-        type=_budget,
+        type=budget,
         default=(None, None),
         metavar="N|Ns",
         help="evaluations, e.g. 50000, or seconds, e.g. 5s; episodes begin until it is spent (default: six "
@@ -194,13 +194,3 @@ def _band(text: str) -> tuple[float, float]:
             f"expected two heights in metres such as 100..200, got {text!r}"
         ) from error
     return least, greatest
-
-
-def _budget(text: str) -> tuple[int | None, float | None]:
-    """Return the evaluations or the seconds that a text stands for."""
-    try:
-        return (None, float(text[:-1])) if text.endswith("s") else (int(text), None)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(
-            f"expected evaluations such as 50000 or seconds such as 5s, got {text!r}"
-        ) from error

@@ -16,6 +16,7 @@ from swarm_gym.files import write_atomically
 from swarm_gym.planning.flights.page import as_page
 from swarm_gym.planning.flights.picture import as_png
 from swarm_gym.planning.flights.result import Flight
+from swarm_gym.planning.outputs import checked, format_of
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
 
@@ -148,16 +149,9 @@ def require_formats(paths: Iterable[Path]) -> None:
         SettingError: for an ending that is not in `FORMATS`, a folder, or a name that is given twice.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    seen = set()
-    for path in paths:
-        _format_of(path)
-        if path.is_dir():
-            raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
+    for path in checked(paths, FORMATS):
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "terrain")
-        if path in seen:
-            raise SettingError(f"output {str(path)!r}: given twice; name each file once")
-        seen.add(path)
 
 
 def write_flight(flight: Flight, *paths: Path) -> None:
@@ -170,16 +164,9 @@ def write_flight(flight: Flight, *paths: Path) -> None:
         MissingExtraError: for a PNG, if Pillow is missing.
         OSError: naming the first file that cannot be written; those before it are complete.
     """
-    contents = [_format_of(path)(flight) for path in paths]
+    contents = [format_of(path, FORMATS)(flight) for path in paths]
     for path, content in zip(paths, contents, strict=True):
         write_atomically(path, content)
-
-
-def _format_of(path: Path) -> Callable[[Flight], str | bytes]:
-    """Return the function that makes the content of a file of that name."""
-    if path.suffix not in FORMATS:
-        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(FORMATS)}")
-    return FORMATS[path.suffix]
 
 
 def _degrees(flight: Flight) -> Floats:
