@@ -28,8 +28,8 @@ def test_it_is_the_native_vector_with_the_layouts_of_networks():
         autoreset_mode=AutoresetMode.SAME_STEP,
         observation="extended",
         action="centred",
-        reward="optimality",
-        price=1.0,
+        reward="progress",
+        price=0.1,
         **OPTIONS,
     )
     np.testing.assert_array_equal(made.reset(), native.reset(seed=7)[0])
@@ -74,8 +74,8 @@ def test_plain_ppo_trains_in_it_under_the_wrappers_of_the_library(tmp_path):
 @pytest.mark.parametrize(
     ("scenario", "expected"),
     [
-        ("case1", ("extended", "optimality", 1.0)),
-        ("function:bbob-1-3-1", ("extended", "optimality", 1.0)),
+        ("case1", ("extended", "progress", 0.1)),
+        ("function:bbob-1-3-1", ("extended", "progress", 0.1)),
         ("dynamic:case1-gate@3-drive@2,every=1,distance=60", ("extended", "detour", 1.0)),
     ],
 )
@@ -91,7 +91,8 @@ def test_defaults_on_bit_strings_are_those_of_runtimes():
 
 
 def test_infos_of_ended_episodes_have_the_optimality_gap():
-    made = make_vec(num_envs=3, seed=0, scenario=["case1", "case3"], **OPTIONS)
+    paid_at_the_end = {"reward": "optimality", "price": 1.0}
+    made = make_vec(num_envs=3, seed=0, scenario=["case1", "case3"], **paid_at_the_end, **OPTIONS)
     made.reset()
     for _ in range(4):
         infos = made.step(np.zeros((3, 2)))[3]
@@ -253,7 +254,7 @@ def test_a_policy_whose_output_is_zero_is_its_base():
         _, _, dones, infos = made.step(np.zeros((2, 2), dtype=np.float32))
     assert dones.all()
     alone = make_controller("open-loop:three-cases")
-    swarms = swarms_for(alone, 2, "firefly", iterations=5, reward="optimality", price=1.0)
+    swarms = swarms_for(alone, 2, "firefly", iterations=5, reward="progress", price=0.1)
     earned = run_swarms(alone, swarms, range(3, 5))
     assert [info["episode"]["r"] for info in infos] == earned.tolist()
     assert [info["best_fitness"] for info in infos] == swarms.simulation.swarms.best_fitness.tolist()

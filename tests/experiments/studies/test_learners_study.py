@@ -1,6 +1,7 @@
 """The study of plain learners: trainings that repeat, are stored once, and fill a table and curves."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,13 +74,18 @@ def test_every_algorithm_trains_in_the_environment(short, monkeypatch, tmp_path,
     assert np.isfinite(trained(tmp_path, "one")["outcome"]["gaps"]).all()
 
 
-def test_the_command_writes_tables_and_curves(short, tmp_path):
+def test_the_command_writes_tables_and_curves(short, monkeypatch, tmp_path):
+    monkeypatch.setitem(RECIPES, "ppo-residual-rules", replace(PPO, env={**PPO.env, "base": "spsfa-tip"}))
+    run(LearnersConfig(("ppo-residual-rules",), (0,), STEPS, tmp_path))
     files = run(LearnersConfig(("ppo",), (0, 1), STEPS, tmp_path))
     assert all(file.exists() for file in files)
     table = next(file for file in files if file.stem == f"reached-{STEPS}").read_text(encoding="utf-8")
     rows = {line.split(" | ")[0].removeprefix("| "): line for line in table.splitlines() if "|" in line}
     assert {"PPO (`ppo`)", "SPSFA-TIP", "FA-60", "open loop three-cases"} <= set(rows)
     assert "| 2 |" in rows["PPO (`ppo`)"]  # two training seeds
+    assert rows["PPO (`ppo`)"].endswith("| – |")  # corrects nothing
+    of_paper, _, of_base = rows["PPO (`ppo-residual-rules`)"].split(" | ")[-3:]
+    assert of_base == f"{of_paper} |"
     with pytest.raises(UnknownNameError, match="unknown recipe 'pppo'"):
         run(LearnersConfig(("pppo",), (0,), STEPS, tmp_path))
 
