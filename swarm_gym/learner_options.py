@@ -49,10 +49,10 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
     first = Settings.from_options(get_optimizer(optimizer), given).scenarios[0]
     if isinstance(worlds_of(first)[0].scenario, OneMaxScenario):
         suited: dict[str, object] = {"observation": "theory-scaled", "reward": "runtime"}
+    elif drive_of(first) is not None:
+        suited = {"observation": "extended", "reward": "detour", "price": 1.0}
     else:
-        drives = drive_of(first) is not None
-        paid: dict[str, object] = {"reward": "detour", "price": 1.0} if drives else PROGRESS
-        suited = {"observation": "extended", **paid}
+        suited = {"observation": "extended", **PROGRESS}
     if given.get("action") == "sourced-centred" and "source" not in given:
         suited |= FIRST_MEMBERS
     return {"action": "centred", **suited, **given}

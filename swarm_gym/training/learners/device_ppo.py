@@ -4,6 +4,7 @@ Policies, initial weights and the meaning of options are those of `PPOLearner`. 
 always is one new episode of all swarms, which begins after the update before it; and torch draws minibatches.
 """
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -26,6 +27,7 @@ from swarm_gym.training.learners.environments import feature_names, make_swarms
 from swarm_gym.training.learners.group_advantages import advantages_and_returns
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.learners.ppo import actor_layers, policy_options, step_size
+from swarm_gym.training.learners.stopped_chunk import State
 from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
 
 
@@ -52,6 +54,7 @@ class DevicePPOLearner(Learner):
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self.num_steps = 0
         self._passes = 0  # over rollouts, in all updates so far
+        self._stopped: State | None = None  # where the present chunk can go on from
         self._mean_layers: dict[str, torch.Tensor] = {}
         observed: Any = env.single_observation_space
         space = observed if self._base is None else self._base.observation_space(observed)
@@ -64,6 +67,11 @@ class DevicePPOLearner(Learner):
             use_sde=options.noise_steps != 1,
             **policy_options(config, options),
         ).to(self._device)
+
+    @property
+    def in_chunk(self) -> bool:
+        """True if some rollouts of the chunk are done."""
+        return self._stopped is not None
 
     def begin(self) -> None:
         """With a base, begin with corrections of zero; a critic then learns the returns of the base."""
@@ -85,8 +93,12 @@ class DevicePPOLearner(Learner):
         config, options = self.config, self.options
         set_random_seed(seed)
         generator = np.random.default_rng(seed)
-        scalars, earned, rate = {}, [], options.learning_rate
-        for _ in range(config.rollouts_per_chunk):
+        scalars: dict[str, float] = {}
+        earned: list[torch.Tensor] = []
+        if self._stopped is not None:
+            scalars, earned = self._go_on(self._stopped, generator)
+        rate = step_size(options, self.num_steps) if earned else options.learning_rate
+        for _ in range(len(earned), config.rollouts_per_chunk):
             rollout = self._roll(generator)
             self.num_steps += rollout.num_steps
             earned.append(rollout.returns.mean())
@@ -96,6 +108,9 @@ class DevicePPOLearner(Learner):
             scalars = update(self.policy, self._steps(rollout), options)
             self._passes += int(scalars["train/epochs"])
             self._average_weights()
+            self._stopped = self._stopped_state(scalars, earned, generator)
+            self.after_rollout()
+        self._stopped = None
         return {
             **scalars,
             "train/learning_rate": rate,
@@ -116,6 +131,7 @@ class DevicePPOLearner(Learner):
             "optimizer": _on_cpu(self.policy.optimizer.state_dict()),
             "num_steps": self.num_steps,
             "passes": self._passes,
+            **({} if self._stopped is None else {"stopped": self._stopped}),
         }
 
     def load(self, state: Mapping[str, object]) -> None:
@@ -126,6 +142,31 @@ class DevicePPOLearner(Learner):
         self.policy.optimizer.load_state_dict(stored["optimizer"])
         self.num_steps = stored["num_steps"]
         self._passes = stored["passes"]
+        self._stopped = stored.get("stopped")
+
+    def _stopped_state(
+        self, scalars: dict[str, float], earned: list[torch.Tensor], generator: np.random.Generator
+    ) -> State:
+        """Return what the rest of the chunk needs besides the networks: random generators and results."""
+        on_gpu = self._device.type == "cuda" and torch.cuda.is_available()
+        return {
+            "scalars": dict(scalars),
+            "earned": [one.cpu() for one in earned],
+            "episodes": json.dumps(generator.bit_generator.state),
+            "torch": torch.get_rng_state(),
+            "torch_on_gpu": torch.cuda.get_rng_state(self._device) if on_gpu else None,
+        }
+
+    def _go_on(
+        self, state: State, generator: np.random.Generator
+    ) -> tuple[dict[str, float], list[torch.Tensor]]:
+        """Bring the random generators to where a chunk was stopped; return its scalars and returns so far."""
+        stored: Any = state
+        generator.bit_generator.state = json.loads(stored["episodes"])
+        torch.set_rng_state(stored["torch"])
+        if stored["torch_on_gpu"] is not None:
+            torch.cuda.set_rng_state(stored["torch_on_gpu"], self._device)
+        return dict(stored["scalars"]), [one.to(self._device) for one in stored["earned"]]
 
     def _roll(self, generator: np.random.Generator) -> Rollout:
         options = self.options

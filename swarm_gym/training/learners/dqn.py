@@ -6,6 +6,7 @@ that were random or that the network would not make any more. The network estima
 choice; the policy takes the choice with the largest estimate.
 """
 
+import json
 import warnings
 from collections.abc import Mapping
 from typing import Any
@@ -26,6 +27,7 @@ from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.learners.ppo import step_size
+from swarm_gym.training.learners.stopped_chunk import State, go_on, stopped_state
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 
 # Share of random choices: it falls from 1 to this one over `exploration_steps`. In the first rollout all
@@ -83,11 +85,17 @@ class DQNLearner(Learner):
         self.env = ChoiceVecEnv(swarms, self.choices)
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
+        self._stopped: State | None = None  # where the present chunk can go on from
 
     @property
     def num_steps(self) -> int:  # type: ignore[override]
         """Environment steps so far."""
         return self.model.num_timesteps
+
+    @property
+    def in_chunk(self) -> bool:
+        """True if some rollouts of the chunk are done."""
+        return self._stopped is not None
 
     def begin(self) -> None:
         """Prefer the choice next to zero: where zero is one, a policy with a base begins as its base."""
@@ -100,13 +108,24 @@ class DQNLearner(Learner):
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` episodes of every swarm with updates at each step; return scalars."""
-        model, num_steps = self.model, self.config.rollouts_per_chunk * _steps_of_rollout(self.config)
+        model, begin = self.model, 0
         model.set_random_seed(seed)  # also that of the environment
-        # New episodes and averages, so that any chunk can be the first of a resumed run.
-        model._last_obs = None
-        model.ep_info_buffer = None
+        if self._stopped is None:
+            # New episodes and averages, so that any chunk can be the first of a resumed run.
+            model._last_obs = None
+            model.ep_info_buffer = None
+        else:
+            stopped: Any = self._stopped
+            begin = stopped["rollouts"]
+            go_on(model, stopped, seed)
+            model.action_space.np_random.bit_generator.state = json.loads(stopped["choices"])
         model.exploration_rate = self._exploration(0.0)
-        model.learn(num_steps, reset_num_timesteps=False, log_interval=10**9)
+        for rollout in range(begin, self.config.rollouts_per_chunk):
+            model.learn(_steps_of_rollout(self.config), reset_num_timesteps=False, log_interval=10**9)
+            drawn = json.dumps(model.action_space.np_random.bit_generator.state)
+            self._stopped = {**stopped_state(model, rollout + 1), "choices": drawn}
+            self.after_rollout()
+        self._stopped = None
         found = {name: float(value) for name, value in model.logger.name_to_value.items()}
         ended: Any = model.ep_info_buffer
         found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
@@ -137,6 +156,7 @@ class DQNLearner(Learner):
             "replay": {name: torch.as_tensor(getattr(replay, name)[:filled]) for name in REPLAYED},
             "place": replay.pos,
             "full": replay.full,
+            **({} if self._stopped is None else {"stopped": self._stopped}),
         }
 
     def load(self, state: Mapping[str, object]) -> None:
@@ -150,6 +170,7 @@ class DQNLearner(Learner):
         for name, steps in stored["replay"].items():
             getattr(replay, name)[: len(steps)] = steps.numpy()
         replay.pos, replay.full = stored["place"], stored["full"]
+        self._stopped = stored.get("stopped")
 
     @property
     def _replay(self) -> Any:

@@ -1,6 +1,6 @@
-"""The state of PPO of stable-baselines3 between two rollouts of a chunk, from which it goes on exactly.
+"""The state of a learner of stable-baselines3 between two rollouts of a chunk, from which it goes on exactly.
 
-Beside networks and counters, that is the state of random generators and what the library keeps of rollouts.
+Besides networks and counters, that is the state of random generators and what the library keeps of rollouts.
 Environments are not stored: in a chunk whose rollouts are whole episodes, resets from the chunk's seed lead
 to the same episodes.
 """
@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.utils import set_random_seed
 
 State = dict[str, object]
 
 
-def stopped_state(model: OnPolicyAlgorithm, rollouts: int) -> State:
+def stopped_state(model: BaseAlgorithm, rollouts: int) -> State:
     """Return the state of a model of the library after some rollouts of a chunk.
 
     Args:
-        model: PPO of stable-baselines3 or sb3-contrib.
+        model: PPO of stable-baselines3 or sb3-contrib, or DQN.
         rollouts: rollouts of the chunk so far, each with its update.
     """
     # The library draws from NumPy's global generator.
@@ -36,7 +36,7 @@ def stopped_state(model: OnPolicyAlgorithm, rollouts: int) -> State:
     }
 
 
-def go_on(model: OnPolicyAlgorithm, state: Mapping[str, object], seed: int) -> None:
+def go_on(model: BaseAlgorithm, state: Mapping[str, object], seed: int) -> None:
     """Bring a model and its environments to a state of the chunk that has this seed.
 
     Networks and counters must be loaded already.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
-from helpers.trainings import EVOLUTION, STEPS, assert_same_weights, train
+from helpers.trainings import DQN, EVOLUTION, STEPS, assert_same_weights, train
 from swarm_gym.training import progress, run
 from swarm_gym.training.progress import Progress
 
@@ -16,6 +16,7 @@ GROUPS = {
     **SHORT, "critic": False, "gae_lambda": 1.0, "group_size": 2, "base": "spsfa-tip",
     "noise_steps": 0, "averaging": 0.5,
 }  # fmt: skip
+DEVICE = {**SHORT, "algorithm": "device-ppo"}
 PAIRED = {**SHORT, "reward": "paired", "reference": "spsfa-tip:initial_population_size=4"}
 
 
@@ -42,10 +43,23 @@ def scalars(folder):
         pytest.param(PAIRED, 2, marks=pytest.mark.slow),
         pytest.param({**SHORT, "algorithm": "recurrent-ppo", "lstm_size": 4}, 2, marks=pytest.mark.slow),
         pytest.param({**SHORT, "algorithm": "choice-ppo"}, 2, marks=pytest.mark.slow),
+        ({**DEVICE, "averaging": 0.5}, 2),
+        (DQN, 2),
         (EVOLUTION, 2),
         pytest.param(EVOLUTION, 3, marks=pytest.mark.slow),
     ],
-    ids=["groups", "several", "ppo", "paired", "recurrent", "choices", "evolution", "evolution at the end"],
+    ids=[
+        "groups",
+        "several",
+        "ppo",
+        "paired",
+        "recurrent",
+        "choices",
+        "device",
+        "dqn",
+        "evolution",
+        "evolution at the end",
+    ],
 )
 def test_a_training_that_is_stopped_within_a_chunk_goes_on_from_there(
     tmp_path, monkeypatch, options, rollout
