@@ -200,17 +200,17 @@ def _of_each(function: int, values: ArrayLike) -> Floats:
 # The first three also take tensors, with the namespace `xp` of their library, whose function they call then.
 
 
-def exp(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
+def exp(values: "ArrayLike | torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return e^x of each number, in float64."""
     return _of_each(_EXP, values) if xp is np else xp.exp(values)
 
 
-def log(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
+def log(values: "ArrayLike | torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return the natural logarithm of each number, in float64, without warnings."""
     return _of_each(_LOG, values) if xp is np else xp.log(values)
 
 
-def log1p(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
+def log1p(values: "ArrayLike | torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return log(1 + x) of each number, in float64."""
     return _of_each(_LOG1P, values) if xp is np else xp.log1p(values)
 
