@@ -15,7 +15,7 @@ def is_text(node: ast.expr) -> bool:
 
 
 def mixed_unions(text: str) -> list[str]:
-    """Return the unions of a type and a string. NumPy 2.5 refuses them for its own types, on Python 3.12 on."""
+    """Return the unions of a type and a string, which NumPy 2.5 refuses for its own types."""
     nodes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.BinOp))
     unions = (node for node in nodes if isinstance(node.op, ast.BitOr))
     return [ast.unparse(node) for node in unions if is_text(node.left) or is_text(node.right)]
