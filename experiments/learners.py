@@ -24,7 +24,7 @@ class LearnersConfig:
     """Options of the command."""
 
     recipes: tuple[str, ...] = tuple(RECIPES)
-    """Recipes to train, e.g. ppo sac-sourced; by default all. Tables show all that are stored."""
+    """Recipes to train, e.g. ppo sac; by default all. Tables show all that are stored."""
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
     """Training seeds."""
     steps: int = 200_000
