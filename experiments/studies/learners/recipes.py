@@ -83,6 +83,7 @@ AT_THE_END = {"reward": "optimality", "price": 1.0}
 RULES = {"base": "spsfa-tip"}
 TUNED = {"base": "open-loop:three-cases"}
 # Near the optimum one per cent of it is about 0.2 of log(gap).
+SOURCED = {"action": "sourced-centred", "price": 0.2}
 TUNED_SOURCES = {"base": "open-loop:three-cases-sourced/0@1", "price": 0.2}
 
 RECIPES: dict[str, Recipe] = {
@@ -90,7 +91,7 @@ RECIPES: dict[str, Recipe] = {
     "ppo-optimality": Recipe("PPO", ON_POLICY, AT_THE_END),
     "ppo-residual": Recipe("PPO", {**CALM, **SMALL_NOISE}, TUNED, "residual"),
     "ppo-residual-rules": Recipe("PPO", {**CALM, **SMALL_NOISE}, RULES, "residual on SPSFA-TIP"),
-    "ppo-sourced": Recipe("PPO", {**CALM, **SMALL_NOISE}, {"action": "sourced-centred"}, "with sources"),
+    "ppo-sourced": Recipe("PPO", {**CALM, **SMALL_NOISE}, SOURCED, "with sources"),
     "ppo-residual-sourced": Recipe("PPO", {**CALM, **LEAST_NOISE}, TUNED_SOURCES, "residual with sources"),
     "recurrent-ppo": Recipe("RecurrentPPO", CALM),
     "sac": Recipe("SAC", OFF_POLICY, DEARER, scales_rewards=True),
