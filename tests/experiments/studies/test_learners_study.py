@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip("sb3_contrib", reason="needs the extra `study`")
 
+from experiments.documents.records import records_in
 from experiments.learners import LearnersConfig, run
 from experiments.studies.learners import recipes, trainings
 from experiments.studies.learners import tables_of_learners as tables
@@ -80,6 +81,9 @@ def test_the_command_writes_tables_and_curves(short, tmp_path):
     rows = {line.split(" | ")[0].removeprefix("| "): line for line in table.splitlines() if "|" in line}
     assert {"PPO (`ppo`)", "SPSFA-TIP", "FA-60", "open loop three-cases"} <= set(rows)
     assert "| 2 |" in rows["PPO (`ppo`)"]  # two training seeds
+    (record,) = records_in(tmp_path)
+    assert record.commits
+    assert "SPSFA-TIP" in record.digests
     with pytest.raises(UnknownNameError, match="unknown recipe 'pppo'"):
         run(LearnersConfig(("pppo",), (0,), STEPS, tmp_path))
 
