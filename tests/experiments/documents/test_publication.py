@@ -1,8 +1,9 @@
-"""What a published repository states of itself: one address, and badges and a citation that are true."""
+"""A published repository has one address, and badges and a citation that are true."""
 
 import re
 import subprocess
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ PLACEHOLDER = "OWNER"
 SAY_SO = {"pyproject.toml", "docs/releasing.md", ".github/workflows/release.yml", Path(__file__).name}
 
 
+@cache
 def texts():
     """Return the texts of all files of the repository that are no data, by their paths."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
