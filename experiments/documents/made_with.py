@@ -116,8 +116,7 @@ def records_table(pages: Mapping[str, Iterable[str]]) -> Table:
     ]
     caption = (
         "Runs behind the pages: commits that made them, by the day of the commit, and what has changed "
-        "since. As today: all recorded digests, of controllers and of what optimizers compute, are those of "
-        "today. "
+        "since. As today: no recorded digest, of controllers or of what optimizers compute, has changed. "
         f"{EARLIER.capitalize()}: made before the elementary functions of the project decided runs, so that "
         "last digits may differ"
     )
