@@ -1,7 +1,7 @@
 """Put results into documents: `python -m experiments.publish DOCUMENT ...`.
 
 Fills the marked blocks of each document, such as `study` for docs/study.md, from the results that other
-commands wrote, and copies the figures that it shows to docs/results. If anything is missing, nothing is
+commands wrote. Copies the figures that a document shows to docs/results. If anything is missing, nothing is
 written. No number between the marks is typed by hand.
 """
 

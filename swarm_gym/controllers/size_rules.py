@@ -2,7 +2,7 @@
 
 They were published for certain optimizers and decide the population size alone. Here phi is a constant of
 each rule; with phi = 0, a rule is as it was published. Which members join or leave a population is the
-environment's rule, and the share of the iterations done stands for the share of the evaluations spent.
+environment's rule. The share of the iterations done stands for the share of the evaluations spent.
 """
 
 from abc import abstractmethod
@@ -201,8 +201,8 @@ class TwoRegimes(IncreasingSize):
     s is `start`, l the size of the last run of the first regime, and u is drawn uniformly from [0, 1]. The
     first run of all counts for the second regime.
 
-    The paper also draws the first step size of a run of the second regime, and ends such a run when it has
-    spent half as much as the last one of the first regime. Both are left to the optimizer here.
+    The paper also draws the first step size of a run of the second regime. It ends such a run when it has
+    spent half as much as the last run of the first regime. Both are left to the optimizer here.
     """
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:

@@ -242,7 +242,7 @@ class TestEntryPoints:
 
         monkeypatch.setattr(own_code, "_installed", found)
 
-    def test_they_are_names(self):
+    def test_short_names_are_names(self):
         assert make_controller("by-thirds").initial_population_size == 60
         assert get_optimizer("hill-climber").name == "hill-climber"
         assert SwarmEnv(scenario="hall", iterations=2).reset(seed=0)[1]["scenario"] == "hall"
