@@ -1,10 +1,10 @@
-"""Check the English of docstrings, help texts, messages and names of tests: `python tests/language.py FOLDER`.
+"""Check the English of docstrings, help texts, messages and names of tests: `python tests/language.py DIR`.
 
 A docstring must be understood alone. So it must not begin with a word that makes it a fragment of something
-else, such as "Of", "What" or "Likewise". The texts behind the names of the sections Args, Attributes, Raises
-and Returns, and help texts below the fields of a dataclass, keep the same rule. The name of a test is a
-statement, and does not begin with a pronoun. No sentence has more than 25 words; formulas do not count.
-`make check` runs this; the rules are in CONTRIBUTING.md.
+else, such as "Of", "What" or "Likewise". The same holds for texts behind names in the sections Args,
+Attributes, Raises and Returns, and for help texts of fields. The name of a test is a statement, and does not
+begin with a pronoun. No sentence has more than 25 words; formulas do not count. `make check` runs this; the
+rules are in CONTRIBUTING.md.
 """
 
 import ast

@@ -220,10 +220,10 @@ BLOCKS: dict[str, Block] = {
 # The appendix shows whole tables by the names of their files.
 SHOWN = {
     ON_THE_CASES.name: ("optimizers", "gains", "claims", "budgets", "areas", "made-with"),
-    ON_THE_GRIDS.name: ("optimizers", "claims", "budgets"),
-    TRANSFER.name: ("transfer", "one-for-all", "claims"),
-    TRANSFER_ON_CELLS.name: ("transfer", "one-for-all", "claims"),
-    ON_THE_CELLS.name: ("optimizers", "gains", "claims", "budgets"),
+    ON_THE_GRIDS.name: ("optimizers", "claims", "budgets", "made-with"),
+    TRANSFER.name: ("transfer", "one-for-all", "claims", "made-with"),
+    TRANSFER_ON_CELLS.name: ("transfer", "one-for-all", "claims", "made-with"),
+    ON_THE_CELLS.name: ("optimizers", "gains", "claims", "budgets", "made-with"),
 }
 TABLE_BLOCKS: dict[str, Block] = {
     f"{suite}/{name}": partial(ResultsFolder.text, name=f"{suite}/{name}.md")
