@@ -11,6 +11,7 @@ The reward is paid for what an episode has found at its end, so use a discount o
 import warnings
 from collections.abc import Mapping
 
+from swarm_gym.action_layouts import layout_of
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.scenarios import OneMaxScenario, drive_of, worlds_of
 from swarm_gym.settings import Settings
@@ -22,8 +23,8 @@ FOR_NETWORKS: Mapping[str, Mapping[str, str]] = {
 }
 # Layouts of corrections, by the layout in which the corrected controller decides.
 FOR_CORRECTIONS: Mapping[str, str] = {**FOR_NETWORKS["action"], "sourced": "sourced-normalised"}
-# First members where actions are `sourced-centred`. The mean gap of a policy that decides 0 throughout is 0.6
-# per cent with them, and 1.5 per cent with uniform ones.
+# First members where centred actions decide sources, as in the layout `sourced-centred`. The mean gap of a
+# policy that decides 0 throughout is 0.6 per cent with them, and 1.5 per cent with uniform ones.
 FIRST_MEMBERS: Mapping[str, object] = {"source": "smooth", "amplitude": 0.2}
 
 
@@ -32,7 +33,7 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
 
     Observations are `extended`, actions `centred`, and the reward is `optimality` at a price of 1. On bit
     strings observations are `theory-scaled` and the reward is `runtime`; where robots drive, the reward is
-    `detour`. With the actions `sourced-centred`, the first members are smooth bends.
+    `detour`. Where centred actions decide sources, the first members are smooth bends.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.ALL_OPTIMIZERS`.
@@ -48,9 +49,11 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
     else:
         reward = "optimality" if drive_of(first) is None else "detour"
         suited = {"observation": "extended", "reward": reward, "price": 1.0}
-    if given.get("action") == "sourced-centred" and "source" not in given:
-        suited |= FIRST_MEMBERS
-    return {"action": "centred", **suited, **given}
+    options = {"action": "centred", **suited, **given}
+    layout = layout_of(str(options["action"]))
+    if layout.sourced and layout.size == "centred" and "source" not in given:
+        return {**FIRST_MEMBERS, **options}
+    return options
 
 
 def warn_of_unscaled(options: Mapping[str, object]) -> None:

@@ -64,11 +64,20 @@ class LinearReduction(SizeRule):
     observation: str = "scaled"
 
     def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
-        return self.start + (self.smallest - self.start) * _share_done(self.observation, observations)
+        return self.start + (self.smallest - self.start) * self.fall(self._share_done(observations))
+
+    @staticmethod
+    def fall(share: Floats) -> Floats:
+        """Return the share of the fall from `start` to `smallest`, by the share of the iterations done."""
+        return share
+
+    def _share_done(self, observations: Floats) -> Floats:
+        # The observation is in single precision: rounding restores the share, so that halves round correctly.
+        return np.round(observations[:, column(self.observation, SHARE_DONE)], 6)
 
 
 @dataclass
-class NonLinearReduction(SizeRule):
+class NonLinearReduction(LinearReduction):
     """A size that falls from `start` to `smallest`, faster than a linear reduction, and slowly at the end.
 
     The share of the fall is r^(1 - r), where r is the share of the iterations done.
@@ -78,16 +87,10 @@ class NonLinearReduction(SizeRule):
     evaluations spent.
     """
 
-    observation: str = "scaled"
-
-    def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
-        share = _share_done(self.observation, observations)
-        return self.start + (self.smallest - self.start) * power(share, 1.0 - share)
-
-
-def _share_done(layout: str, observations: Floats) -> Floats:
-    # The observation is in single precision: rounding restores the share, so that halves round correctly.
-    return np.round(observations[:, column(layout, SHARE_DONE)], 6)
+    @staticmethod
+    def fall(share: Floats) -> Floats:
+        """Return the share of the fall from `start` to `smallest`, by the share of the iterations done."""
+        return power(share, 1.0 - share)
 
 
 @dataclass
