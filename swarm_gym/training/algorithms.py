@@ -245,7 +245,7 @@ def refuse_foreign(name: str, options: Mapping[str, object]) -> None:
     """Raise an error for options that an algorithm lacks, unless they have no effect.
 
     Some options have no effect: those of networks, gradients and evolution, which presets hand on to presets
-        like them, and any whose value means that it is not used.
+    like them, and any whose value means that it is not used.
 
     Raises:
         UnknownNameError: if there is no such algorithm.
