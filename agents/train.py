@@ -2,8 +2,8 @@
 
 The policy may first imitate a hand-designed controller (`--warm-start`), since PPO from scratch collapses to
 tiny populations: evaluations cost at once, but their gain comes a dozen iterations later. Training is divided
-into chunks. All random numbers of a chunk are seeded with (run seed, chunk), so that a run that was stopped
-and resumed equals one that was not. Example: `python -m agents.train --preset three-cases --seed 0`.
+into chunks. All random numbers of a chunk are seeded with (run seed, chunk). So a run that was stopped and
+resumed equals one that was not. Example: `python -m agents.train --preset three-cases --seed 0`.
 """
 
 import dataclasses

@@ -15,7 +15,14 @@ import tyro
 from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.choice import Choice
-from experiments.documents.suite_page import make_tables, outcomes_of, write_collection_page, write_page
+from experiments.documents.records import write_record
+from experiments.documents.suite_page import (
+    make_tables,
+    outcomes_of,
+    record_of_suite,
+    write_collection_page,
+    write_page,
+)
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.runner import refuse_missing, run_missing
@@ -93,6 +100,7 @@ def evaluate(config: EvaluateConfig) -> Path:
         figures = _figures(suite, results, folder) if config.figures else []
         made_with = results.provenances(suite.controllers, suite.seeds)
         page = write_page(suite, tables, figures, folder, made_with)
+        write_record(record_of_suite(suite, results), folder)
     finally:
         results.close()
     return page

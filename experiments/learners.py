@@ -10,6 +10,8 @@ from pathlib import Path
 import tyro
 from tqdm import tqdm
 
+from experiments.documents.digests import digests_of_rivals
+from experiments.documents.records import Record, commits_in, record_of, write_record
 from experiments.runs.labels import label
 from experiments.studies.learners.pictures import write_curves
 from experiments.studies.learners.recipes import RECIPES
@@ -17,6 +19,7 @@ from experiments.studies.learners.tables_of_learners import PAPER, learned, opti
 from experiments.studies.learners.trainings import train
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
+from swarm_gym.runs.provenance import git_commit
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,15 @@ def run(config: LearnersConfig) -> list[Path]:
     for table in tables:
         table.write(config.output)
     objectives = [float(beside[name].objective.mean()) for name in (label(PAPER), "open loop three-cases")]
+    write_record(_record(trainings, config.steps), config.output)
     curves = write_curves(trainings, config.output, config.steps, *objectives)
     return [*(config.output / f"{table.name}.md" for table in tables), *curves]
+
+
+def _record(trainings: Path, steps: int) -> Record:
+    """Return the record of trainings, and of the controllers beside them, which run now."""
+    commits = commits_in(trainings.glob(f"*-{steps}/*.json"))
+    return record_of("learners", {*commits, git_commit()}, digests_of_rivals())
 
 
 def _train_shown(name: str, seed: int, steps: int, folder: Path) -> None:

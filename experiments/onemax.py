@@ -9,12 +9,15 @@ from pathlib import Path
 
 import tyro
 
+from experiments.documents.digests import digests_of_one_max
+from experiments.documents.records import record_of, write_record
 from experiments.studies.onemax.pictures import write_pictures
 from experiments.studies.onemax.share_schedules import ship
 from experiments.studies.onemax.speed import speed
 from experiments.studies.onemax.tables_of_runtimes import tables
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.runs.provenance import git_commit
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ def write(config: OneMaxConfig) -> list[Path]:
         table.write(config.output)
     if not (config.only_speed or config.tables):
         write_pictures(config.output)
+        write_record(record_of("known-optimum", [git_commit()], digests_of_one_max()), config.output)
     return [config.output / f"{table.name}.md" for table in made]
 
 

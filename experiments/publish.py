@@ -1,7 +1,7 @@
 """Put results into documents: `python -m experiments.publish DOCUMENT ...`.
 
 Fills the marked blocks of each document, such as `study` for docs/study.md, from the results that other
-commands wrote, and copies the figures that it shows to docs/results. If anything is missing, nothing is
+commands wrote. Copies the figures that a document shows to docs/results. If anything is missing, nothing is
 written. No number between the marks is typed by hand.
 """
 
@@ -17,6 +17,7 @@ from agents.backends import BackendError
 from experiments import catalogue
 from experiments.documents.front_page import FRONT_BLOCKS
 from experiments.documents.marked_blocks import fill
+from experiments.documents.records import keep, records_in
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import SHORT_TABLES
 from experiments.runs.database import ResultsError
@@ -162,6 +163,13 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     ),
 }
 
+# Folders of records of runs that documents without a folder of their own show.
+RECORDED = {
+    "results": ("docs/paper", "study/headline", AT_BUDGETS),
+    "strong-optimizers": ("strong-optimizers", AT_BUDGETS),
+    "terrain": ("terrain",),
+}
+
 
 @dataclass(frozen=True)
 class PublishConfig:
@@ -192,6 +200,8 @@ def publish(name: str, results: Path) -> None:
     filled = [fill(document, results) for document in look_up("document", name, DOCUMENTS)]
     for one in filled:
         one.write()
+    folders = {document.results for document in DOCUMENTS[name]} - {""} | set(RECORDED.get(name, ()))
+    keep(record for folder in sorted(folders) for record in records_in(results / folder))
 
 
 def evaluate_suite(name: str, results: Path) -> None:

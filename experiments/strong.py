@@ -9,6 +9,8 @@ from pathlib import Path
 
 import tyro
 
+from experiments.documents.digests import digests_of_strong
+from experiments.documents.records import commits_in, record_of, write_record
 from experiments.studies.strong.entrants import entrants
 from experiments.studies.strong.measured_gaps import measure_all
 from experiments.studies.strong.published import RUNS
@@ -43,6 +45,8 @@ def write(config: StrongConfig) -> list[Path]:
         names = ", ".join(one.name for one in every)
         raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
     made = tables(measure_all(chosen, config.runs, config.output / "runs"))
+    commits = commits_in((config.output / "runs").glob("*.json"))
+    write_record(record_of("strong-optimizers", commits, digests_of_strong()), config.output)
     for table in made:
         table.write(config.output)
     return [config.output / f"{table.name}.md" for table in made]

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import tyro
 
+from experiments.documents.digests import digests_of_terrain
+from experiments.documents.records import commits_in, record_of, write_record
 from experiments.studies.terrain.measured_costs import Asked, measure_all
 from experiments.studies.terrain.rows import rows
 from experiments.studies.terrain.tables_of_costs import tables
@@ -56,6 +58,8 @@ def write(config: TerrainConfig) -> list[Path]:
     asked = Asked(config.cost, tuple(config.evaluations), config.runs)
     measured = measure_all(chosen, terrains, asked, config.output / "runs")
     made = tables(measured, terrains, asked)
+    commits = commits_in((config.output / "runs").glob("*.json"))
+    write_record(record_of(f"terrain-{config.output.name}", commits, digests_of_terrain()), config.output)
     for table in made:
         table.write(config.output)
     return [config.output / f"{table.name}.md" for table in made]

@@ -11,6 +11,7 @@ Rewards add up to what an episode has found, so use a discount of 1 with these o
 import warnings
 from collections.abc import Mapping
 
+from swarm_gym.action_layouts import layout_of
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.scenarios import OneMaxScenario, drive_of, worlds_of
 from swarm_gym.settings import Settings
@@ -22,8 +23,8 @@ FOR_NETWORKS: Mapping[str, Mapping[str, str]] = {
 }
 # Layouts of corrections, by the layout in which the corrected controller decides.
 FOR_CORRECTIONS: Mapping[str, str] = {**FOR_NETWORKS["action"], "sourced": "sourced-normalised"}
-# First members where actions are `sourced-centred`. The mean gap of a policy that decides 0 throughout is 0.6
-# per cent with them, and 1.5 per cent with uniform ones.
+# First members where centred actions decide sources, as in the layout `sourced-centred`. The mean gap of a
+# policy that decides 0 throughout is 0.6 per cent with them, and 1.5 per cent with uniform ones.
 FIRST_MEMBERS: Mapping[str, object] = {"source": "smooth", "amplitude": 0.2}
 # The gap is measured from a lower bound, which is 4 to 9 per cent below the optimum of the paper's cases. So
 # one per cent of the optimum is 0.06 to 0.27 of log(gap) there, and so much shall 100,000 evaluations cost.
@@ -36,7 +37,7 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
     Observations are `extended`, actions `centred`, and the reward is `progress` at a price of 0.1: a learner
     is paid in each iteration for what the iteration has found. On bit strings observations are
     `theory-scaled` and the reward is `runtime`; where robots drive, the reward is `detour` at a price of 1.
-    With the actions `sourced-centred`, the first members are smooth bends.
+    Where centred actions decide sources, the first members are smooth bends.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.ALL_OPTIMIZERS`.
@@ -53,9 +54,11 @@ def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, ob
         suited = {"observation": "extended", "reward": "detour", "price": 1.0}
     else:
         suited = {"observation": "extended", **PROGRESS}
-    if given.get("action") == "sourced-centred" and "source" not in given:
-        suited |= FIRST_MEMBERS
-    return {"action": "centred", **suited, **given}
+    options = {"action": "centred", **suited, **given}
+    layout = layout_of(str(options["action"]))
+    if layout.sourced and layout.size == "centred" and "source" not in given:
+        return {**FIRST_MEMBERS, **options}
+    return options
 
 
 def warn_of_unscaled(options: Mapping[str, object]) -> None:

@@ -48,7 +48,7 @@ class Gaps:
         """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
 
         If the optimum is 0, as for test functions, it is the best fitness itself. On bit strings, it is the
-        evaluations of the run against the least expected number, and infinite for a run that has not found
+        evaluations of the run against the least expected number. It is infinite for a run that has not found
         the string of all ones. An optimum that is not known is computed when it is first asked for, if that
         takes less than about a second.
         """

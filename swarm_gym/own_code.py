@@ -17,7 +17,7 @@ A name is looked up each time it is used. So after an edited notebook cell or `i
 the new code; what was made before keeps the old one.
 
 To import a module is to run its code. So a name imports code only if it is given on a command line or in a
-call. A name that a file holds, such as a policy, a preset or a results database, is refused unless the same
+call. A file, such as a policy, a preset or a results database, may hold a name. It is refused unless the same
 name was given before, for instance to `allow`.
 """
 

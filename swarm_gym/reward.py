@@ -12,10 +12,10 @@
 | `runtime` | -evaluations of the iteration / length of the bit string |
 
 The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
-times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
+times the straight line from start to target. On grid maps and for walks it is the straight line, and for test
 functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
 fitness - optimum) / optimum, see `swarm_gym.reference`. The detour is (driven length - shortest way) /
-shortest way, where the shortest way leads from start to target on the map after all events.
+shortest way. The shortest way leads from start to target on the map after all events.
 
 Over an episode, the sum of `anytime` is minus the mean of log10(gap) over the evaluations of the budget. The
 first population counts with its own gap. If an episode stops early, the rest of the budget counts with the

@@ -114,8 +114,8 @@ class NativeVecEnv(VecEnv):
     """A native vector of swarms as stable-baselines3 takes it.
 
     The info of an episode that ended has its sum of rewards, its length, its last observation, the best
-    fitness, the evaluations and, where the optimum is known, the optimality gap; that of an episode under
-    way is empty. `reset_infos` has the infos with which the episodes under way began.
+    fitness and the evaluations. Where the optimum is known, it has the optimality gap; that of an episode
+    under way is empty. `reset_infos` has the infos with which the episodes under way began.
 
     Args:
         env: environment with the autoreset mode of this class, `SAME_STEP`.

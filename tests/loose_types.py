@@ -1,10 +1,10 @@
 """Count `Any` in the public signatures of a package: `python tests/loose_types.py FOLDER ...`.
 
-`Any` switches the type checker off wherever a value of it goes. Signatures are the annotations of parameters
-and results of functions and methods, of fields and attributes of classes, of constants, and what a name for a
-type stands for. They are public if no name on the way to them begins with an underscore; methods such as
-`__init__` are public, too. Names for types count whatever they are called, since a public signature may
-have them. Variables inside functions do not count.
+`Any` switches the type checker off wherever a value of it goes. Signatures are annotations of parameters and
+results, of fields and attributes of classes, and of constants. What a name for a type stands for is one, too.
+They are public if no name on the way to them begins with an underscore; methods such as `__init__` are
+public, too. Names for types count whatever they are called, since a public signature may have them. Variables
+inside functions do not count.
 """
 
 import ast

@@ -256,8 +256,8 @@ def _commands() -> Iterator[tuple[str, Iterable[str]]]:
 def _options_of(file: Path) -> Iterator[str]:
     """Yield the options of a command from its source, since to import all commands takes seconds.
 
-    They are the fields of the dataclass that the command gives to `tyro.cli`, those of its subcommands, or
-    the arguments that it adds to a parser.
+    They are the fields of the dataclasses that the command gives to `tyro.cli`, or the arguments that it adds
+    to a parser.
     """
     tree = ast.parse(file.read_text(encoding="utf-8"))
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):

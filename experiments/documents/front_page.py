@@ -9,14 +9,23 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from experiments.catalogue import COLLECTIONS, SUITES
+from experiments.documents.digests import RESULTS_OF
+from experiments.documents.made_with import (
+    OUT_OF_DATE,
+    lines_of,
+    outdated,
+    records_table,
+    short_state,
+    span,
+)
 from experiments.documents.marked_blocks import block_names, content_of
 from experiments.tables.cell import verdict
 from experiments.tables.document import Block, ResultsFolder
-from experiments.tables.table import Row, Table
+from experiments.tables.table import Row, Table, list_item
 
 DOCS = Path("docs")
 HOLDS, FAILS = verdict(True), verdict(False)
-MOST_COMMITS = 2  # that a cell names
 
 
 @dataclass(frozen=True)
@@ -27,28 +36,72 @@ class Study:
         title: text of the link to the first page.
         pages: names of its pages without a suffix; the claims may stand on another page than the first.
         question: the question that it answers.
+        suites: names of the suites whose runs it shows.
     """
 
     title: str
     pages: tuple[str, ...]
     question: str
+    suites: tuple[str, ...]
+
+    @property
+    def link(self) -> str:
+        """Link to the first page."""
+        return f"[{self.title}]({self.pages[0]}.md)"
 
 
+LEARNED_SUITES = (
+    "headline", "generalisation", "out-of-distribution", "single-cases", "ablation", "parameters"
+)  # fmt: skip
 STUDIES = (
-    Study("study", ("study", "study-tables"), "Do learned sizes and phi improve on the paper's rules?"),
-    Study("new members", ("newcomers", "newcomers-tables"), "What do other sources of members change?"),
-    Study("changing maps", ("dynamic", "dynamic-tables"), "Does seeing help where the map changes?"),
-    Study("other optimizers", ("optimizers", "optimizers-tables"), "Does control help other swarms?"),
-    Study("BBOB", ("bbob",), "Which size suits particle swarms of three libraries?"),
+    Study(
+        "study",
+        ("study", "study-tables"),
+        "Do learned sizes and phi improve on the paper's rules?",
+        LEARNED_SUITES,
+    ),
+    Study(
+        "new members",
+        ("newcomers", "newcomers-tables"),
+        "What do other sources of members change?",
+        COLLECTIONS["newcomers-study"],
+    ),
+    Study(
+        "changing maps",
+        ("dynamic", "dynamic-tables"),
+        "Does seeing help where the map changes?",
+        COLLECTIONS["dynamic-study"],
+    ),
+    Study(
+        "other optimizers",
+        ("optimizers", "optimizers-tables"),
+        "Does control help other swarms?",
+        COLLECTIONS["optimizers-study"],
+    ),
+    Study("BBOB", ("bbob",), "Which size suits particle swarms of three libraries?", ("bbob",)),
 )
 PAPERS = (
-    Study("IAFSA", ("iafsa-paper",), "improved artificial fish swarms"),
-    Study("MOA", ("moa-paper",), "multivariate optimization and its rivals"),
-    Study("glowworms and ants", ("brand-yu-paper",), "glowworms and ants on grids"),
+    Study("IAFSA", ("iafsa-paper",), "improved artificial fish swarms", COLLECTIONS["iafsa-paper"]),
+    Study("MOA", ("moa-paper",), "multivariate optimization and its rivals", ("moa-paper",)),
+    Study("glowworms and ants", ("brand-yu-paper",), "glowworms and ants on grids", COLLECTIONS["brand-yu"]),
 )
-# Blocks of pages whose lists of findings the page shows, and how many of each kind.
-FINDINGS = {"findings-study": "study", "findings-newcomers": "newcomers", "findings-dynamic": "dynamic"}
-MOST_FINDINGS = 3
+# Records of runs of no suite, or of one that stands on a page of its own, by the page.
+OTHERS = {
+    "[README](../README.md)": ("cases-at-budgets", "paper"),
+    "[learners](learners.md)": ("learners",),
+    "[known optimum](known-optimum.md)": ("known-optimum",),
+    "[strong optimizers](strong-optimizers.md)": ("strong-optimizers",),
+    "[terrain](terrain.md)": ("terrain-all", "terrain-eight"),
+    "[planners](planners.md)": ("planners", "replanning", "streams"),
+    "[other libraries](adapters.md)": ("adapters",),
+}
+# Blocks with lists of findings, and the pages and suites that these are from.
+FINDINGS = {
+    "findings-study": ("study", ("headline",)),
+    "findings-newcomers": ("newcomers", ("newcomers",)),
+    "findings-dynamic": ("dynamic", ("dynamic", "dynamic-fields")),
+}
+MOST_FINDINGS = 3  # of each kind
 
 
 def claims_of(text: str) -> tuple[int, int]:
@@ -68,15 +121,6 @@ def claims_of(text: str) -> tuple[int, int]:
     return held, all_claims
 
 
-def commits_of(text: str) -> list[str]:
-    """Return the commits that the runs of a page were made with, in the order of the page."""
-    made = [content_of(text, name) for name in block_names(text) if name.endswith("made-with")]
-    named = [re.findall(r"commits? ((?:[0-9a-f]{10}(?:-dirty)?(?:, )?)+)", one) for one in made]
-    return list(
-        dict.fromkeys(commit for one in named for part in one for commit in part.split(", ") if commit)
-    )
-
-
 def findings_of(text: str, holding: bool) -> list[str]:
     """Return the first findings of a page that hold everywhere, or do not hold somewhere."""
     listed = re.split(r"^\* ", content_of(text, "findings"), flags=re.MULTILINE)[1:]
@@ -94,11 +138,28 @@ def _text(pages: Iterable[str]) -> str:
     return "\n".join((DOCS / f"{page}.md").read_text(encoding="utf-8") for page in pages)
 
 
+def marked(finding: str, suites: Iterable[str], changed: set[str]) -> str:
+    """Return a finding, with a mark if what decided its runs has changed.
+
+    Args:
+        finding: item of a list, which begins with the sentence of a claim.
+        suites: names of the suites whose claims it may be.
+        changed: groups of controllers that have changed, and optimizers whose results have.
+    """
+    said = " ".join(finding.removeprefix("* ").split())
+    claims = [claim for suite in suites for claim in SUITES[suite].claims if said.startswith(claim.sentence)]
+    groups = {group for claim in claims for group in (claim.group, claim.rival)}
+    results = {name for name in changed if name.startswith(RESULTS_OF)}
+    if because := sorted(changed & groups | results):
+        return list_item(f"{said} {OUT_OF_DATE}: {', '.join(because)}.")
+    return finding
+
+
 def _studies(results: ResultsFolder) -> str:  # noqa: ARG001
     """Return the table of the project's own studies."""
     caption = (
         "Studies: claims that hold, of all that are tested, where a sentence counts for each set of "
-        "scenarios; the commits that made the runs"
+        "scenarios; when the commits that made the runs were committed; what has changed since"
     )
     return Table.of("studies", caption, [_row(study, "question") for study in STUDIES]).markdown()
 
@@ -112,26 +173,37 @@ def _papers(results: ResultsFolder) -> str:  # noqa: ARG001
 
 
 def _row(study: Study, second: str) -> Row:
-    text = _text(study.pages)
-    held, all_claims = claims_of(text)
-    commits = commits_of(text)
-    more = f" and {len(commits) - MOST_COMMITS} more" if len(commits) > MOST_COMMITS else ""
+    held, all_claims = claims_of(_text(study.pages))
     return {
-        "page": f"[{study.title}]({study.pages[0]}.md)",
+        "page": study.link,
         second: study.question,
         "claims that hold": f"{held} of {all_claims}",
-        "runs made with": ", ".join(commits[:MOST_COMMITS]) + more,
+        "runs made with": span(study.suites),
+        "state": short_state(study.suites),
     }
 
 
-def _findings(page: str, results: ResultsFolder) -> str:  # noqa: ARG001
+def _records(results: ResultsFolder) -> str:  # noqa: ARG001
+    """Return the table of how all runs were made."""
+    pages = {study.link: study.suites for study in (*STUDIES, *PAPERS)}
+    return records_table({**pages, **OTHERS}).markdown()
+
+
+def _findings(page: str, suites: tuple[str, ...], results: ResultsFolder) -> str:  # noqa: ARG001
     """Return the first findings of a page, those that hold and then those that do not."""
-    text = _text((page,))
-    return "\n".join([*findings_of(text, holding=True), *findings_of(text, holding=False)])
+    text, changed = _text((page,)), outdated(suites)
+    chosen = [*findings_of(text, holding=True), *findings_of(text, holding=False)]
+    return "\n".join([*(marked(one, suites, changed) for one in chosen), "", lines_of(suites)])
 
 
-def _repeated(page: str, name: str, rows: Callable[[list[str]], bool], results: ResultsFolder) -> str:  # noqa: ARG001
-    """Return rows of a table of a page, with its caption.
+def _repeated(
+    page: str,
+    name: str,
+    rows: Callable[[list[str]], bool],
+    made_with: str,
+    results: ResultsFolder,  # noqa: ARG001
+) -> str:
+    """Return rows of a table of a page, with its caption and how its runs were made; changed rows are marked.
 
     Raises:
         ValueError: if no row is chosen.
@@ -142,8 +214,13 @@ def _repeated(page: str, name: str, rows: Callable[[list[str]], bool], results: 
     chosen = [cells for cells in all_rows if rows(cells)]
     if not chosen:
         raise ValueError(f"docs/{page}.md: no row of the block {name!r} is chosen")
+    changed = outdated((made_with,))
+    for cells in chosen:
+        if cells[0] in changed:
+            cells[0] += f" ({OUT_OF_DATE})"
     lines = [heads, ["---"] * len(heads), *chosen]
-    return caption + "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    return f"{caption}{table}\n\n{lines_of((made_with,))}"
 
 
 def _first_of(names: Iterable[str]) -> Callable[[list[str]], bool]:
@@ -165,16 +242,25 @@ OVER_TERRAIN = (
     "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
 )  # fmt: skip
 FRONT_BLOCKS: Mapping[str, Block] = {
-    "terrain": partial(_repeated, "terrain", "test-terrains", _first_of(OVER_TERRAIN)),
+    "terrain": partial(_repeated, "terrain", "test-terrains", _first_of(OVER_TERRAIN), "terrain-all"),
     "studies": _studies,
-    **{name: partial(_findings, page) for name, page in FINDINGS.items()},
+    **{name: partial(_findings, *chosen) for name, chosen in FINDINGS.items()},
     "papers": _papers,
-    "one-parameter": partial(_repeated, "known-optimum", "one-parameter", _first_of(ONE_MAX)),
+    "one-parameter": partial(
+        _repeated, "known-optimum", "one-parameter", _first_of(ONE_MAX), "known-optimum"
+    ),
     "beside-metabox": partial(
-        _repeated, "strong-optimizers", "beside-metabox", _first_of(("stars of 16", "average rank"))
+        _repeated,
+        "strong-optimizers",
+        "beside-metabox",
+        _first_of(("stars of 16", "average rank")),
+        "strong-optimizers",
     ),
     "learners": partial(
-        _repeated, "learners", "reached-200000", lambda cells: not cells[0].startswith("FA-")
+        _repeated, "learners", "reached-200000", lambda cells: not cells[0].startswith("FA-"), "learners"
     ),
-    "planners": partial(_repeated, "planners", "planners", lambda cells: not cells[0].startswith("swarm, S")),
+    "planners": partial(
+        _repeated, "planners", "planners", lambda cells: not cells[0].startswith("swarm, S"), "planners"
+    ),
+    "records": _records,
 }

@@ -2,17 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from experiments.catalogue import SUITES, TABLES
+from experiments.documents.digests import digests_of_groups, digests_of_results, optimizers_of, seeing
+from experiments.documents.records import Record, record_of, short_commit
 from experiments.runs.database import Results
+from experiments.runs.entries import FROM_CONTENT, IDENTITIES, KEY
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.tables.document import MADE_WITH
 from experiments.tables.table import Table, write_tables_page
 from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
-
-COMMIT_DIGITS = 10
 
 
 def make_tables(suite: Suite, results: Results) -> list[Table]:
@@ -34,6 +36,17 @@ def outcomes_of(suite: Suite, results: Results) -> Outcomes:
         ResultsError: if a run of the suite is missing.
     """
     return results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
+
+
+def record_of_suite(suite: Suite, results: Results) -> Record:
+    """Return the record of a suite's runs, with what its controllers were when they ran."""
+    commits = {one.get("commit", "unknown") for one in results.provenances(suite.controllers, suite.seeds)}
+    stored = results.configuration()
+    identity: dict[str, Any] = {}
+    if stored.get(IDENTITIES) == FROM_CONTENT:  # a database of an earlier version tells them apart otherwise
+        identity = {key.removeprefix(KEY): one for key, one in stored.items() if key.startswith(KEY)}
+    digests = digests_of_groups(seeing(suite), identity)
+    return record_of(suite.name, commits, digests | digests_of_results(optimizers_of(suite), commits))
 
 
 def write_page(
@@ -80,16 +93,10 @@ def describe_provenance(made_with: Sequence[Mapping[str, str]]) -> str:
     for provenance in made_with:
         for name, value in provenance.items():
             values.setdefault(name, set()).add(value)
-    commits = sorted(_short(commit) for commit in values.pop("commit", ()))
+    commits = sorted(short_commit(commit) for commit in values.pop("commit", ()))
     found = [f"commit{'s' if len(commits) > 1 else ''} {', '.join(commits)}"] if commits else []
     found += [f"{name} {', '.join(sorted(versions))}" for name, versions in sorted(values.items())]
     return f"Runs made with: {'; '.join(found)}.\n"
-
-
-def _short(commit: str) -> str:
-    """Return a commit with fewer digits, and whether files were changed since."""
-    digits, separator, dirty = commit.partition("-")
-    return f"{digits[:COMMIT_DIGITS]}{separator}{dirty}"
 
 
 def command_of(suite: Suite) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import tyro
 
+from experiments.documents.records import record_of, write_record
 from experiments.planners.measuring import measure
 from experiments.planners.tables import replanning_tables, tables
 from experiments.planners.tasks import MAPS, PlannerTask, draw_tasks, planning_task, replanning_task
@@ -61,7 +62,10 @@ def compare(config: PlannersConfig) -> list[Path]:
         raise ScenarioError("no map is left to compare planners on")
     config.output.mkdir(parents=True, exist_ok=True)
     name, make = ("replanning", replanning_tables) if config.replanning else ("planning", tables)
-    made = make(measure(drawn, config.seeds, config.seconds, config.output / f"{name}.jsonl"), config.seconds)
+    runs = measure(drawn, config.seeds, config.seconds, config.output / f"{name}.jsonl")
+    made = make(runs, config.seconds)
+    record = "replanning" if config.replanning else "planners"
+    write_record(record_of(record, {run.commit for run in runs}, {}), config.output)
     for table in made:
         table.write(config.output)
     write_atomically(config.output / f"{name}.md", "\n".join(table.markdown() for table in made))

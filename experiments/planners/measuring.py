@@ -10,6 +10,7 @@ from tqdm import tqdm
 from experiments.planners.all_planners import DETERMINISTIC, OMPL, SWARMS, Planner, of_ompl, of_swarm
 from experiments.planners.found import Valid, validate
 from experiments.planners.tasks import PlannerTask
+from swarm_gym.runs.provenance import git_commit
 
 SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled
 
@@ -33,6 +34,7 @@ class PlannerRun:
         optimum: length of the exact shortest path, in map units.
         found: the paths that it found and that are free, in order of time.
         refused: number of paths that it found and that are not.
+        commit: commit that the run was made with; empty in files of earlier versions.
     """
 
     kind: str
@@ -42,6 +44,7 @@ class PlannerRun:
     optimum: float
     found: tuple[Valid, ...]
     refused: int
+    commit: str = ""
 
 
 def planner_of(name: str) -> Planner:
@@ -67,6 +70,7 @@ def measure(
     for planner in planners.values():
         planner(tasks[0], (SHORT,), 0)
     number: dict[str, int] = {}
+    commit = git_commit()
     with file.open("a", encoding="utf-8") as out, tqdm(total=len(tasks), unit="task") as bar:
         for task in tasks:
             index = number[task.kind] = number.get(task.kind, -1) + 1
@@ -78,7 +82,7 @@ def measure(
                         continue
                     found = planner(task, checkpoints, seed)
                     valid = [one for path in found if (one := validate(task.scenario, path)) is not None]
-                    run = PlannerRun(*key, task.optimum, tuple(valid), len(found) - len(valid))
+                    run = PlannerRun(*key, task.optimum, tuple(valid), len(found) - len(valid), commit)
                     runs[key] = run
                     out.write(json.dumps(asdict(run)) + "\n")
                     out.flush()

@@ -18,6 +18,7 @@ import tyro
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from experiments.documents.records import record_of, write_record
 from experiments.tables.cell import number, share
 from experiments.tables.table import Table
 from swarm_gym.command import command
@@ -26,6 +27,7 @@ from swarm_gym.planning import plan
 from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
 from swarm_gym.problem.geometry.curves import evenly_spaced
 from swarm_gym.reference import shortest_path
+from swarm_gym.runs.provenance import git_commit
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.ways import differ
 
@@ -175,6 +177,7 @@ def streams(config: StreamsConfig) -> Path:
     config.output.mkdir(parents=True, exist_ok=True)
     table = stream_table(drives)
     table.write(config.output)
+    write_record(record_of("streams", [git_commit()], {}), config.output)
     return config.output / f"{table.name}.md"
 
 

@@ -104,7 +104,7 @@ def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[fl
     names = _names(runs)
     return Table.of(
         name,
-        "Length above the exact shortest path: a swarm's minus that of another planner after the same time, "
+        "Length above the exact shortest path: a swarm's minus another planner's after the same time, "
         f"mean over tasks [95 % interval]; a run without a path counts as {MOST:.0%} above; below 0 the "
         "swarm's paths are shorter",
         [

@@ -4,7 +4,7 @@ import dataclasses
 from typing import Any
 
 from agents import CONTROLLERS, Controller
-from experiments.runs.entries import FROM_CONTENT, IDENTITIES
+from experiments.runs.entries import FROM_CONTENT, IDENTITIES, KEY
 from experiments.runs.episode import controller_of
 from experiments.runs.experiment import Experiment
 from swarm_gym.comparing.entrants import entrant
@@ -34,11 +34,14 @@ NEVER_STATED = (
 
 def configuration(experiment: Experiment) -> dict[str, Any]:
     """Return the values that the runs of an experiment depend on, by key; the database compares them."""
-    found = {**environment_configuration(experiment), IDENTITIES: FROM_CONTENT}
-    for name in experiment.controllers:
-        controller_name = entrant(name, experiment.optimizer).controller
-        found[f"controller {name}"] = identity(controller_name, controller_of(controller_name))
-    return found
+    controllers = {f"{KEY}{name}": found for name, found in identities(experiment).items()}
+    return {**environment_configuration(experiment), IDENTITIES: FROM_CONTENT, **controllers}
+
+
+def identities(experiment: Experiment) -> dict[str, Any]:
+    """Return what each controller of an experiment is, by its name in the experiment."""
+    names = {name: entrant(name, experiment.optimizer).controller for name in experiment.controllers}
+    return {name: identity(controller, controller_of(controller)) for name, controller in names.items()}
 
 
 def identity(name: str, controller: Controller) -> Any:

@@ -91,7 +91,7 @@ MEASURES: dict[str, Measure] = {
     "length": Measure(
         # The fitness of a feasible path is its length.
         lambda sample, _: np.where(sample.feasible, sample.fitness, np.nan),
-        "length is that of the best paths that are feasible, in map units",
+        "length is taken over the best paths that are feasible, in map units",
     ),
     "offline error": Measure(
         lambda sample, _: 100.0 * sample.find_offline_error(),
@@ -119,7 +119,7 @@ MEASURES: dict[str, Measure] = {
     ),
     "way": Measure(
         lambda sample, _: sample.each(_if_arrived(length_of)),
-        "way is the length that the robot went, or that of the best path, of the runs that arrived",
+        "way is the length that the robot went, or of the best path, in the runs that arrived",
         ".1f",
     ),
     "turning": Measure(

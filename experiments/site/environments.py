@@ -241,7 +241,7 @@ def _observations(optimizer: str) -> str:
         if base:
             numbers = numbers[len(OBSERVATIONS[base].features) :]
         text = "; ".join(f"{feature.name} in {range_of(low, high)}" for feature, low, high in numbers)
-        rows.append((code(name), space.dtype, space.shape, f"those of `{base}`; {text}" if base else text))
+        rows.append((code(name), space.dtype, space.shape, f"all of `{base}`; {text}" if base else text))
     return table(("layout", "dtype", "shape", "numbers"), rows)
 
 

@@ -68,7 +68,7 @@ def observations_block(_: object = None) -> str:
         base = base_of(name)
         numbers = numbers[len(OBSERVATIONS[base].features) :] if base else numbers
         said = "; ".join(f"{feature.name} in {range_of(low, high)}" for feature, low, high in numbers)
-        said = f"those of `{base}`; {said}" if base else said
+        said = f"all of `{base}`; {said}" if base else said
         rows.append((code(name), OBSERVATIONS_ARE_FOR.get(name, "–"), len(layout.features), said))
     return table(("observation", "for", "numbers", "meaning"), rows)
 

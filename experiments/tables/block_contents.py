@@ -1,7 +1,6 @@
 """Makers of the marked blocks of documents that show tables and figures of several suites."""
 
 import re
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -9,7 +8,7 @@ from experiments.runs.labels import label
 from experiments.tables.cell import verdict
 from experiments.tables.document import MADE_WITH, ResultsFolder
 from experiments.tables.reshape import join, pick, select, shorten_heads, split, spread
-from experiments.tables.table import LINE, Table
+from experiments.tables.table import Table, list_item
 
 GAP_COLUMNS = (
     "scenarios", "controller", "mean gap", "inter-quartile mean", "median", "max", "std",
@@ -49,14 +48,7 @@ def _listed(finding: Finding, results: ResultsFolder) -> str:
         ((measure, mine, theirs, difference, holds),) = select(found, CLAIM_COLUMNS).rows
         held = "holds" if str(holds) == verdict(True) else "does **not** hold"
         parts.append(f"{name}: {held}, {mine} against {theirs}, difference {difference} ({measure}).")
-    return textwrap.fill(
-        " ".join(parts),
-        LINE,
-        initial_indent="* ",
-        subsequent_indent="  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    return list_item(" ".join(parts))
 
 
 def rows_of(table: Table, groups: Sequence[str], scenario_set: str = "") -> Table:

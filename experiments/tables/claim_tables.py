@@ -14,12 +14,12 @@ from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Row, Table
 
 CAPTION = (
-    "Sentences that compare, a row for each set of scenarios: mean of the measure; that of the rival, times "
+    "Sentences that compare, a row for each set of scenarios: mean of the measure; the rival's mean, times "
     "the factor that the sentence names, or the limit; their difference [95 % interval over training seeds, "
     "scenarios of a set and seeds]. A sentence holds where the whole interval is below 0"
 )
 ABOUT_SUBJECTS = (
-    "Sentences that compare, a column for each subject: the mean of the measure minus that of the rival "
+    "Sentences that compare, a column for each subject: the mean of the measure minus the rival's mean "
     "[95 % interval over training seeds, scenarios of a set and seeds]. A sentence holds where the whole "
     "interval is below 0; where it does not, the cell says **no**"
 )

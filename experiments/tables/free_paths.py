@@ -22,8 +22,8 @@ from swarm_gym.worlds import make_problem
 SEEDS = 50  # of each controller and scenario, at most
 CAPTION = (
     f"Best paths of the first {SEEDS} seeds of each scenario: share that is free of any collision, checked "
-    "exactly; share that is after final repair; length after it against that of the best path, and above the "
-    "exact shortest path of the map, which need not go through waypoints; its least distance from any "
+    "exactly; share that is after final repair; length after it against the best path's length, and above "
+    "the exact shortest path of the map, which need not go through waypoints; its least distance from any "
     "obstacle, mean, in map units; share of the repaired paths of which a planner had to find a piece. "
     "[95 % interval over training seeds, scenarios of a set and seeds]"
 )

@@ -17,8 +17,8 @@ from swarm_gym.errors import ScenarioError
 CAPTION = (
     "Objective: mean gap in per cent plus price times evaluations / 100,000, over all training and tuning "
     "seeds [95 % interval over these seeds, scenarios of a set and seeds]. By set of scenarios: mean gap "
-    "in per cent at mean evaluations. Minus itself blinded: the objective minus that of the same "
-    "controller with every input but the clock replaced by its mean course. Minus the best blind rival: "
+    "in per cent at mean evaluations. Minus itself blinded: the objective minus the one of the "
+    "same controller with every input but the clock replaced by its mean course. Minus the best blind rival: "
     "minus the smallest objective of the controllers that see nothing and are for the same price. "
     "Negative is a smaller objective; a controller without a price counts at price 1"
 )

@@ -155,9 +155,14 @@ def write_tables_page(
     return write_atomically(folder / "README.md", "\n".join(parts))
 
 
-def wrapped(text: str) -> str:
-    """Return a paragraph of Markdown in lines of at most `LINE` characters."""
-    return textwrap.fill(text, LINE, break_long_words=False, break_on_hyphens=False)
+def wrapped(text: str, line: int = LINE) -> str:
+    """Return a paragraph of Markdown in lines of at most so many characters."""
+    return textwrap.fill(text, line, break_long_words=False, break_on_hyphens=False)
+
+
+def list_item(text: str) -> str:
+    """Return an item of a list of Markdown in lines of at most `LINE` characters."""
+    return textwrap.indent(wrapped(text, LINE - 2), "  ").replace("  ", "* ", 1)
 
 
 def text_columns(table: Table) -> list[bool]:

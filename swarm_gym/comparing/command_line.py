@@ -5,9 +5,9 @@ evaluations; smaller is better. Brackets are 95 % bootstrap intervals over scena
 column of a scenario has the mean gap and the mean number of evaluations. Feasible is the share of runs whose
 best path by fitness is free; such a path may graze obstacles.
 
-On bit strings, as in `swarm-gym compare theory one-fifth --scenarios onemax:100 --optimizer
-one-plus-lambda-lambda`, the table has the evaluations until the optimum instead, and how far they are above
-the expected ones of the optimal control of lambda, where these ship.
+`swarm-gym compare theory one-fifth --scenarios onemax:100 --optimizer one-plus-lambda-lambda` compares on bit
+strings. There the table has the evaluations until the optimum instead. It also has how far they are above the
+expected evaluations of the optimal control of lambda, where these ship.
 """
 
 import argparse

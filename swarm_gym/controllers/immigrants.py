@@ -6,7 +6,7 @@ so far is stored apart.
 
 Sources: J. Grefenstette, "Genetic algorithms for changing environments", PPSN 2 (1992), for random
 immigrants; H. Cobb, "An investigation into the use of hypermutation as an adaptive operator in genetic
-algorithms having continuous, time-dependent nonstationary environments", NRL Memorandum Report 6760 (1990),
+algorithms having continuous, time-dependent nonstationary environments". NRL Memorandum Report 6760 (1990),
 for more mutation after a change; A. Auger, N. Hansen, "A restart CMA evolution strategy with increasing
 population size", IEEE CEC 2005, for restarts after stagnation.
 """

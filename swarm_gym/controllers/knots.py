@@ -139,8 +139,8 @@ class Knots:
     def between(self) -> Floats:
         """Return the decisions at every iteration up to the last knot, (iterations, number of decisions).
 
-        Values are clipped to those at the knots, since exp(log(x)) may be the next number after x, and x may
-        be the bound of an action.
+        Values are clipped to the values at the knots. Without this, exp(log(x)) may be the next number after
+        x, and x may be the bound of an action.
         """
         scales = [_LOGARITHM, _ROOT, *(_LOGARITHM for _ in self.knobs), *(_SCALES[n] for n in self.sources)]
         iterations = np.arange(self.iterations[-1] + 1)

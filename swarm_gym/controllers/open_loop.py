@@ -1,9 +1,9 @@
 """Open loops: population size, phi and further decisions as fixed functions of the iteration.
 
 The decisions are given at a few iterations, the knots. Between knots, sizes, parameters of the optimizer and
-amplitudes are interpolated in the logarithm, phi and the share of immigrants in their square roots, and the
-share of smooth members as it is. The manifest of a file states how its knots
-were tuned; see `swarm_gym.tuning`.
+amplitudes are interpolated in the logarithm. Phi and the share of immigrants are interpolated in their square
+roots, and the share of smooth members as it is. The manifest of a file states how its knots were tuned; see
+`swarm_gym.tuning`.
 """
 
 import json

@@ -1,6 +1,6 @@
 """An open loop that begins again whenever the best fitness rises.
 
-The best fitness so far rises by an event on the map only, so the loop answers every event that makes the best
+The best fitness so far rises by an event on the map only. So the loop answers every event that makes the best
 path worse, and no other. What it decides then is what it decides at the beginning of an episode, immigrants
 included: a restart from the present population. `reacting-loop:<name>` takes the file of `open-loop:<name>`.
 """

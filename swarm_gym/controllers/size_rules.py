@@ -2,7 +2,7 @@
 
 They were published for certain optimizers and decide the population size alone. Here phi is a constant of
 each rule; with phi = 0, a rule is as it was published. Which members join or leave a population is the
-environment's rule, and the share of the iterations done stands for the share of the evaluations spent.
+environment's rule. The share of the iterations done stands for the share of the evaluations spent.
 """
 
 from abc import abstractmethod
@@ -64,11 +64,20 @@ class LinearReduction(SizeRule):
     observation: str = "scaled"
 
     def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
-        return self.start + (self.smallest - self.start) * _share_done(self.observation, observations)
+        return self.start + (self.smallest - self.start) * self.fall(self._share_done(observations))
+
+    @staticmethod
+    def fall(share: Floats) -> Floats:
+        """Return the share of the fall from `start` to `smallest`, by the share of the iterations done."""
+        return share
+
+    def _share_done(self, observations: Floats) -> Floats:
+        # The observation is in single precision: rounding restores the share, so that halves round correctly.
+        return np.round(observations[:, column(self.observation, SHARE_DONE)], 6)
 
 
 @dataclass
-class NonLinearReduction(SizeRule):
+class NonLinearReduction(LinearReduction):
     """A size that falls from `start` to `smallest`, faster than a linear reduction, and slowly at the end.
 
     The share of the fall is r^(1 - r), where r is the share of the iterations done.
@@ -78,16 +87,10 @@ class NonLinearReduction(SizeRule):
     evaluations spent.
     """
 
-    observation: str = "scaled"
-
-    def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
-        share = _share_done(self.observation, observations)
-        return self.start + (self.smallest - self.start) * power(share, 1.0 - share)
-
-
-def _share_done(layout: str, observations: Floats) -> Floats:
-    # The observation is in single precision: rounding restores the share, so that halves round correctly.
-    return np.round(observations[:, column(layout, SHARE_DONE)], 6)
+    @staticmethod
+    def fall(share: Floats) -> Floats:
+        """Return the share of the fall from `start` to `smallest`, by the share of the iterations done."""
+        return power(share, 1.0 - share)
 
 
 @dataclass
@@ -201,8 +204,8 @@ class TwoRegimes(IncreasingSize):
     s is `start`, l the size of the last run of the first regime, and u is drawn uniformly from [0, 1]. The
     first run of all counts for the second regime.
 
-    The paper also draws the first step size of a run of the second regime, and ends such a run when it has
-    spent half as much as the last one of the first regime. Both are left to the optimizer here.
+    The paper also draws the first step size of a run of the second regime. It ends such a run when it has
+    spent half as much as the last run of the first regime. Both are left to the optimizer here.
     """
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:

@@ -1,8 +1,8 @@
 """Runs: rows of neighbouring free cells, the convex rooms of a grid map, with doors between rows.
 
 Two runs in neighbouring rows share a door where their columns overlap. Rooms and doors make a graph that has
-the corridors of the map: each path leads through a row of rooms, and paths that can be moved into each other
-lead through the same row once ways into a room and back through the same door are left out.
+the corridors of the map: each path leads through a row of rooms. Paths that can be moved into each other lead
+through the same row. Ways into a room and back through the same door are left out first.
 """
 
 from dataclasses import dataclass

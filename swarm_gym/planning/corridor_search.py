@@ -1,8 +1,8 @@
 """The shortest paths through different corridors of a grid map, in the order of their lengths.
 
 A search over rows of rooms, see `cell_runs`. What is known of a row is the funnel of shortest paths through
-it, and a lower bound of the rest from the steps over cells that are left to the goal. Paths that meet
-themselves, as those that wind around an obstacle and come back, are left out.
+it, and a lower bound of the rest. The bound follows from the steps over cells that are left to the goal.
+Paths that meet themselves, as those that wind around an obstacle and come back, are left out.
 """
 
 import heapq

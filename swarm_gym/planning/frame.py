@@ -1,6 +1,6 @@
 """Frames: the coordinates that the planner works in, whose origin and unit follow from the task.
 
-On maps of circles and polygons the origin is the start, and start and goal are as far apart as in the SPSFA
+On maps of circles and polygons the origin is the start. Start and goal are as far apart as in the SPSFA
 paper's cases, for which optimizers are tuned. So neither the place of a map nor its unit changes what the
 planner does, and roundings are relative to the size of the task.
 """

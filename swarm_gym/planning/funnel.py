@@ -2,8 +2,8 @@
 
 The funnel of a start and some doors is the bundle of shortest paths to the last door. The paths share points
 up to the apex, and bend from there around the ends of doors, on two chains (D. T. Lee, F. P. Preparata,
-Networks 14(3), 1984). Where a door lies on one line with the one before, as where a path turns around a
-wall, equal directions are told apart by distance.
+Networks 14(3), 1984). A door may lie on one line with the one before, as where a path turns around a wall.
+There, equal directions are told apart by distance.
 """
 
 import math

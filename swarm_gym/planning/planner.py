@@ -49,8 +49,8 @@ def plan(
     With a longer budget the path is never longer. On grid maps, swarms begin around a path of A*: the first
     around the shortest one, the others around paths that a block somewhere on the best path so far leaves.
     A swarm goes on from a previous path: its repair is kept first, and on grid maps the first swarm begins
-    around it. A path in another corridor than the previous one, that is on another side of an obstacle, is
-    taken only if it is better by `switch_margin`.
+    around it. Another corridor is one on another side of an obstacle. A path in another corridor than the
+    previous one is taken only if it is better by `switch_margin`.
 
     Grades of a map and wishes make the least sum of wishes the aim, see `swarm_gym.planning.wishes`. The
     exact planner and swarms know the length only: a search over cells, improved locally, plans then.

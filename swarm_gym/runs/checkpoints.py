@@ -51,8 +51,8 @@ class Checkpoints:
     def load(self, read: Callable[[bytes], State]) -> State | None:
         """Return the newest intact checkpoint, or None if there is none yet.
 
-        If the newest checkpoint is damaged, a warning is printed to standard error, and its file is renamed,
-        so that the next `save` does not overwrite the intact one with it.
+        If the newest checkpoint is damaged, a warning is printed to standard error, and its file is renamed.
+        So the next `save` does not overwrite the intact one with it.
 
         Args:
             read: function from the stored content to a state.

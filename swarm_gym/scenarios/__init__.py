@@ -2,11 +2,10 @@
 
 A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
 `GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function;
-`BbobScenario` is one of the benchmark BBOB, `MetaBoxScenario` the same as MetaBox has it, `IohScenario` one
-that the package `ioh` keeps, and `OneMaxScenario` counts the ones of a bit string. `TerrainScenario` is a
-flight over a height map.
-The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
-is a fixed map and the iteration after which it replaces the one before.
+`BbobScenario` is one of the benchmark BBOB, and `MetaBoxScenario` the same as MetaBox has it. `IohScenario`
+is one that the package `ioh` keeps, and `OneMaxScenario` counts the ones of a bit string. `TerrainScenario`
+is a flight over a height map. The map of a `DynamicScenario` changes during an episode. Such a scenario is a
+sequence of worlds; a `World` is a fixed map and the iteration after which it replaces the one before.
 
 `registry` has the names. CONTRIBUTING.md lists the steps to add a scenario, or a family of them.
 """

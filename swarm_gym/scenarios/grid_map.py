@@ -24,7 +24,7 @@ class GridMap:
     """A map of square cells, each free or blocked; maps of the same content are equal, whatever their names.
 
     Cells are (column, row), with row 0 on top. Cell coordinates are real numbers. Cell (c, r) covers columns
-    from c - 0.5 to c + 0.5 and rows from r - 0.5 to r + 0.5, without the upper bounds.
+    from c - 0.5 to c + 0.5 and rows likewise, without the upper bounds.
 
     Attributes:
         name: name of the map in messages.

@@ -20,9 +20,9 @@ STRAIGHT = 1e-14  # how far a corner may lie from the line between its neighbour
 def grown(scenario: MapScenario, margin: float, way: NDArray[np.float64] | None = None) -> MapScenario:
     """Return the scenario with obstacles that have grown by a margin, in map units.
 
-    Circles and polygons grow exactly. The corners of a grown polygon are round, so it becomes a polygon with
+    Circles and polygons grow exactly. The corners of a grown polygon are round. So it becomes a polygon with
     edges that are moved outwards, and a circle around each corner of the given one. A grid map is cut into
-    smaller cells, and a small cell is blocked exactly if a point of it is closer to a blocked cell than the
+    smaller cells. A small cell is blocked exactly if a point of it is closer to a blocked cell than the
     margin. `grown_on_cells` says which passages stay open.
 
     Args:

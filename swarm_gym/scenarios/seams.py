@@ -1,9 +1,9 @@
 """Seams: thin obstacles over edges that two polygons share, so that no path leads between the two.
 
 An obstacle is an open set: a path may run along its edge. Where two polygons lie on the two sides of one
-edge, that edge is inside their union, and a path along it would pass through both. A seam closes such an
-edge: a quadrilateral with the edge as a diagonal, whose other two corners lie inside the polygons. With the
-seams of all shared edges, a path that enters no obstacle stays out of the interior of the union.
+edge, that edge is inside their union. A path along it would pass through both. A seam closes such an edge: a
+quadrilateral with the edge as a diagonal, whose other two corners lie inside the polygons. With the seams of
+all shared edges, a path that enters no obstacle stays out of the interior of the union.
 
 Obstacles that touch in a single point have no edge in common. A path may pass through such a point, which is
 on the boundary of the union.

@@ -1,7 +1,7 @@
 """The options of a training run, a dataclass from which the command line is made.
 
-Those of its learning algorithm are in `swarm_gym.training.algorithms`. On command lines, in the stored
-configuration of a run and in a policy's manifest, all options stand side by side, and `algorithm` is the name
+Those of its learning algorithm are in `swarm_gym.training.algorithms`. All options stand side by side on
+command lines, in the stored configuration of a run and in a policy's manifest. There `algorithm` is the name
 of the algorithm. Earlier versions stored the options of all algorithms with every run. Of these,
 `stored_config` leaves out those that the algorithm of the run lacks: they had no effect.
 """

@@ -5,8 +5,8 @@ Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there, advantage
 group's standard deviation: the mean return is the objective.
 
 Noise that is held for several steps earns one advantage, that of the step in which it was drawn. Otherwise
-the later steps of the same noise would be praised for what it earns to the end, and not blamed for what it
-has cost before; policies learned so ended with too large populations.
+the later steps of the same noise would be praised for its later gains, and not blamed for its earlier costs;
+policies learned so ended with too large populations.
 """
 
 from typing import TYPE_CHECKING, Any, TypeVar

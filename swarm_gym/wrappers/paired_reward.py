@@ -1,7 +1,7 @@
 """The reward relative to that of a reference controller from the same start.
 
-With the reward `final-gap`, the reward at the end of an episode is log(final gap of the reference) minus
-log(final gap of the policy), minus the price of the policy's evaluations. Advantages of a start that any
+With `final-gap`, the reward at the end of an episode compares final gaps: log(gap of the reference) minus
+log(gap of the policy). The price of the policy's evaluations is subtracted. Advantages of a start that any
 controller has cancel out, so that rewards of easy and hard scenarios have one scale.
 """
 
@@ -22,9 +22,9 @@ from swarm_gym.wrappers.grouped_episodes import require_native
 class Reference:
     """Returns of a reference controller, by swarm and episode, from the same starts as the policy's.
 
-    The reference runs in a twin environment. With the same seeds, episode k of swarm b has the same seed in
-    both, and so the same scenario and, for the same PS(0), the same first population. The twin runs only when
-    its results are needed, so that episodes of the two may have different lengths.
+    The reference runs in a twin environment. With the same seeds, episode k of swarm b has the same seed and
+    scenario in both. For the same PS(0) it has the same first population. The twin runs only when its results
+    are needed, so that episodes of the two may have different lengths.
 
     Args:
         controller: controller that decides in the twin environment.

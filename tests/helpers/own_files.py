@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 PAGE = Path(__file__).parents[2] / "docs" / "own-code.md"
-FILES = re.compile(r"^`(mine/\w+\.py)`:.*?```python\n(.*?)```", re.DOTALL | re.MULTILINE)
+FILES = re.compile(r"^`(my_swarms/\w+\.py)`:.*?```python\n(.*?)```", re.DOTALL | re.MULTILINE)
 COMMANDS = re.compile(r"```\n(python -m .*?)```", re.DOTALL)
 
 

@@ -25,7 +25,7 @@ OFFICE = (
 
 
 def door_map(cells):
-    """Return a room of 5 m x 4 m with a wall that is one cell thick, and a door of so many cells in it."""
+    """Return a room of 5 m x 4 m with a wall of one cell, and a door of so many cells in it."""
     blocked = np.zeros((80, 100), dtype=np.bool_)
     blocked[[0, -1]] = blocked[:, [0, -1]] = True
     blocked[:, 50] = True

@@ -155,7 +155,7 @@ def _deepest(begins, ends, from_corners, to_corners, precision):
     """Return the largest distance from the edges along segments, by branch and bound.
 
     The distance from one edge is convex along a segment. So on an interval it is at most the larger of the
-    distances at the ends, and the least of these bounds holds for the distance from all edges.
+    distances at the ends. The least of these bounds holds for the distance from all edges.
     """
     best = 0.0
     while len(begins):

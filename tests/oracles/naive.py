@@ -77,8 +77,8 @@ def mirrored(segment):
 def circle_lift(cx, cy, radius, segment):
     """Return the shift up that puts the segment above the circle; None without an overlap in x.
 
-    A line above the circle touches it at a tangent at distance `radius` from the centre, or, if
-    that point is not over the segment, with the end of the segment that is nearest to it.
+    A line above the circle touches it at a tangent at distance `radius` from the centre. If that point is not
+    over the segment, the end of the segment that is nearest to it counts.
     """
     (x0, y0), (x1, y1) = segment
     begin, end = max(x0, cx - radius), min(x1, cx + radius)

@@ -12,8 +12,8 @@ from oracles.naive_corridors import winding_number
 def shortest_by_sides(blocked, posts, start, goal, longest):
     """Return the shortest path of each class up to a length: {sides: (length, points)}.
 
-    It is Dijkstra's algorithm over the corners of a shape that see each other. A path passes a post above as
-    often as it crosses the ray upwards from it to the right, less the times that it comes back.
+    It is Dijkstra's algorithm over the corners of a shape that see each other. A path passes a post
+    above as often as it crosses the ray upwards from it to the right. Crossings back are subtracted.
 
     Args:
         blocked: shape of all obstacles.

@@ -1,8 +1,8 @@
 """Plain-Python oracles for paths on grid maps: loops straight from the MOA paper and docs/readings.md.
 
-Everything is done in map coordinates, point by point; the kernels work in cells, on tables of weights.
-Nothing here shares code with the package but the classes that describe a scenario, and the table of nearest
-free cells, of which there may be several: that they are nearest is a test of its own.
+Everything is done in map coordinates, point by point; the kernels work in cells, on tables of weights. Shared
+with the package are only the classes that describe a scenario, and the table of nearest free cells, of which
+there may be several: that they are nearest is a test of its own.
 """
 
 import itertools

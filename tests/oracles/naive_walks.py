@@ -1,8 +1,8 @@
 """The plain-Python oracle of walks on a grid map: blocked shares of straight lines, and sight.
 
 Everything is done in cells, (column, row) with centres at whole numbers, on lists. Blocked cells are open
-squares, everything outside the map is blocked: a way may touch walls and run along them, but not along the
-edge between two blocked cells, nor through the point where two of them touch at a corner.
+squares, everything outside the map is blocked: a way may touch walls and run along them. It may not run along
+the edge between two blocked cells, nor through the point where two of them touch at a corner.
 """
 
 import itertools

@@ -298,7 +298,7 @@ TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b
 @example(content=b"#" * (MAX_TEXT_FILE + 1))
 @example(content=b"a." * 2000 + b"a = 1")
 @fuzzed
-def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
+def test_a_preset_of_any_bytes_is_read_or_refused(tmp_path, content):
     (tmp_path / "mine.toml").write_bytes(content)
     with suppress(PresetError):
         load_preset(str(tmp_path / "mine.toml"))

@@ -43,7 +43,7 @@ def play(env, seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_it_is_the_way_driven_above_the_shortest_one_on_the_last_map(seed):
+def test_the_detour_is_the_way_driven_above_the_shortest_one_on_the_last_map(seed):
     env = SwarmEnv(**options_of(FAR))
     rewards = play(env, seed)
     way = env.simulation.trajectory(0)
@@ -95,7 +95,7 @@ def test_copies_have_arrived_as_the_swarms_that_they_are_copies_of():
     assert np.isinf(swarms.simulation.detours()).all()
 
 
-def test_it_needs_a_robot_that_drives_in_every_scenario():
+def test_the_detour_needs_a_robot_that_drives_in_every_scenario():
     mixed = [options_of(FAR)["scenario"], DynamicScenario("still", FREE, [Appear(3, BLOCK)])]
     words = ("'detour'", "'still'", "drive@40")
     refused(lambda: SwarmEnv(**{**options_of(FAR), "scenario": mixed}), *words, error=SettingError)

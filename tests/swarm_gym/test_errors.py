@@ -29,12 +29,12 @@ def test_an_error_is_the_same_after_its_way_from_a_worker(error):
     assert received.__notes__ == ["a note"]
 
 
-def test_of_few_names_a_message_lists_all():
+def test_a_message_lists_all_of_few_names():
     error = UnknownNameError("optimizer", "firely", ["multivariate", "firefly"], "the page")
     assert str(error) == "unknown optimizer 'firely'; valid: firefly, multivariate"
 
 
-def test_of_many_names_a_message_lists_those_that_are_alike():
+def test_a_message_lists_the_names_that_are_alike_of_many():
     error = UnknownNameError("map", "rom:27", [f"room:{number}" for number in range(5_000)], "the page")
     assert "valid: room:27, " in str(error)
     assert str(error).endswith(", ... (5,000 in all, see the page)")

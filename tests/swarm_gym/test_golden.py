@@ -1,8 +1,8 @@
 """Results do not change from version to version unless a golden file says why.
 
 `tests/golden` has a file per optimizer with the courses of short runs. Where a change of results is meant,
-run these tests with UPDATE_GOLDEN set to the reason, one sentence, which the files of changed results then
-state; use `-m ''`, so that no test is left out, and one process. Name the change in CHANGELOG.md, too.
+run these tests with UPDATE_GOLDEN set to the reason. The files of changed results then state it; use `-m ''`,
+so that no test is left out, and one process. Name the change in CHANGELOG.md, too.
 """
 
 import json

@@ -61,7 +61,7 @@ def test_infos_as_a_list_have_the_names():
     assert {info["scenario"] for info in infos} == {"case1", "case2"}
 
 
-def test_they_are_arrays_like_others():
+def test_arrays_of_objects_are_arrays_like_others():
     names = np.array(["case1", "case2", "case1"], dtype=object).view(ObjectArray)
     assert type(names == "case1") is np.ndarray
     assert (names == "case1").tolist() == [True, False, True]

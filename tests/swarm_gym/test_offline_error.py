@@ -93,7 +93,7 @@ def test_the_gap_at_an_early_end_stays(budget):
         assert -rewards[-1] == pytest.approx(left * last / 6, rel=1e-12)
 
 
-def test_it_needs_the_optimum_of_every_world():
+def test_the_offline_error_needs_the_optimum_of_every_world():
     unknown = DynamicScenario("odd", BASE, [Appear(2, Circle(333, 321, 12))])
     # With so many waypoints, it is not computed without being asked for.
     settings = {"scenario": unknown, "iterations": ITERATIONS, "num_waypoints": 500}

@@ -113,22 +113,30 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(own_code, "_given", set())
     monkeypatch.setattr(own_code, "_used", set())
     # The optimizer stays: a class of parameters can be registered only once.
-    for name in {"mine", "mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys():
+    for name in {"mine", "my_swarms.rule", "my_swarms.hall", "my_swarms.pay", "broken"} & sys.modules.keys():
         monkeypatch.delitem(sys.modules, name)
     return tmp_path
 
 
 def test_names_of_own_code_go_wherever_names_go():
-    options = {"scenario": "mine.hall:HALL", "reward": "mine.pay:logarithm_of_the_gap", "iterations": 4}
+    options = {
+        "scenario": "my_swarms.hall:HALL",
+        "reward": "my_swarms.pay:logarithm_of_the_gap",
+        "iterations": 4,
+    }
     options |= {"observation": "broken:seen", "action": "broken:layout"}
     env = gymnasium.make(environment_id("firefly"), **options)
     _, info = env.reset(seed=0)
     assert info["scenario"] == "hall"
     earned = [env.step(np.array([9.0, 0.5]))[1] for _ in range(4)]
     assert earned[-1] < -1.0 < earned[0] < 0.0  # at the end the logarithm of the gap, before it a price
-    assert make_controller("mine.rule:ByThirds").act(np.array([[0, 0, 0, 40.0]])).tolist() == [[30, 0.3]]
-    assert make_scenario("mine.hall:HALL").name == "hall"
-    assert entrant("mine.swarm:HillClimber(7)+fixed:5", "firefly") == ("mine.swarm:HillClimber", "fixed:5", 7)
+    assert make_controller("my_swarms.rule:ByThirds").act(np.array([[0, 0, 0, 40.0]])).tolist() == [[30, 0.3]]
+    assert make_scenario("my_swarms.hall:HALL").name == "hall"
+    assert entrant("my_swarms.swarm:HillClimber(7)+fixed:5", "firefly") == (
+        "my_swarms.swarm:HillClimber",
+        "fixed:5",
+        7,
+    )
 
 
 @pytest.mark.parametrize(
@@ -147,7 +155,7 @@ def test_names_of_own_code_go_wherever_names_go():
         (make_scenario, "broken:number", "expected a scenario, or a function .*got 3"),
         (make_scenario, "broken:text", "it returned 'a text'"),
         (get_optimizer, "broken:Base", "expected a subclass of Optimizer, got"),
-        (get_optimizer, "mine.hall:HALL", "expected a subclass of Optimizer, got"),
+        (get_optimizer, "my_swarms.hall:HALL", "expected a subclass of Optimizer, got"),
         (load_preset, "broken:number", "expected a TrainConfig, got 3"),
     ],
 )
@@ -160,47 +168,56 @@ def test_what_is_of_another_kind_is_refused_by_name(make, name, expected):
 
 @pytest.mark.parametrize("make", [make_controller, make_scenario, get_optimizer])
 def test_what_has_no_form_of_own_code_is_an_unknown_name(make):
-    for name in ("mine.hall", "mine hall:HALL", "mine.hall:", ":HALL", "mine.hall:HALL()", "../mine:HALL"):
+    for name in (
+        "my_swarms.hall",
+        "mine hall:HALL",
+        "my_swarms.hall:",
+        ":HALL",
+        "my_swarms.hall:HALL()",
+        "../mine:HALL",
+    ):
         with pytest.raises(UnknownNameError, match="valid: "):
             make(name)
 
 
 def test_a_file_never_imports_code(folder):
-    policy = make_policy(folder / "policy.safetensors", np.random.default_rng(0), base="mine.rule:ByThirds")
+    policy = make_policy(
+        folder / "policy.safetensors", np.random.default_rng(0), base="my_swarms.rule:ByThirds"
+    )
     tuned = folder / "tuned.json"
-    tuned.write_text(json.dumps({"format": FORMAT, "controller": "mine.rule:ByThirds", "manifest": {}}))
+    tuned.write_text(json.dumps({"format": FORMAT, "controller": "my_swarms.rule:ByThirds", "manifest": {}}))
     loop = folder / "loop.json"
     save_open_loop(loop, Knots(6, [0], [6.0], [0.1]), {})
-    another = {"knobs": {"step": [0.1]}, "optimizer": "mine.swarm:HillClimber"}
+    another = {"knobs": {"step": [0.1]}, "optimizer": "my_swarms.swarm:HillClimber"}
     loop.write_text(json.dumps({**json.loads(loop.read_text()), **another}))
     preset = folder / "preset.toml"
-    preset.write_text('like = "three-cases"\nscenarios = ["case1", "mine.hall:HALL"]\n')
+    preset.write_text('like = "three-cases"\nscenarios = ["case1", "my_swarms.hall:HALL"]\n')
     readings = [
         (lambda: make_controller(f"learned:{policy}"), PolicyFileError),
         (lambda: make_controller(f"tuned:{tuned}"), OwnCodeError),
         (lambda: make_controller(f"open-loop:{loop}"), OpenLoopFileError),
         (lambda: load_preset(str(preset)), OwnCodeError),
-        (lambda: stored_config({"config": {"reward": "mine.pay:logarithm_of_the_gap"}}), OwnCodeError),
+        (lambda: stored_config({"config": {"reward": "my_swarms.pay:logarithm_of_the_gap"}}), OwnCodeError),
         (lambda: stored_config({"config": {"observation": "extended+broken:seen"}}), OwnCodeError),
     ]
     for read, error in readings:
         with pytest.raises(error, match="stands for code, which a name in a file never imports"):
             read()
-    assert not {"mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys()
-    own_code.allow("mine.rule:ByThirds", "mine.swarm:HillClimber", "mine.hall:HALL")
+    assert not {"my_swarms.rule", "my_swarms.hall", "my_swarms.pay", "broken"} & sys.modules.keys()
+    own_code.allow("my_swarms.rule:ByThirds", "my_swarms.swarm:HillClimber", "my_swarms.hall:HALL")
     assert make_controller(f"tuned:{tuned}").initial_population_size == 60
-    with pytest.raises(PolicyFileError, match=r"'mine.rule:ByThirds' has .*proposed population size"):
+    with pytest.raises(PolicyFileError, match=r"'my_swarms.rule:ByThirds' has .*proposed population size"):
         make_controller(f"learned:{policy}")  # the policy lacks the inputs that a base adds
-    assert make_controller(f"open-loop:{loop}").made_for == "mine.swarm:HillClimber"
-    assert load_preset(str(preset)).scenarios == ("case1", "mine.hall:HALL")
+    assert make_controller(f"open-loop:{loop}").made_for == "my_swarms.swarm:HillClimber"
+    assert load_preset(str(preset)).scenarios == ("case1", "my_swarms.hall:HALL")
 
 
 def test_a_digest_of_the_source_belongs_to_the_name(folder):
-    before = own_code.origin_of("controller", "mine.rule:ByThirds")
-    file = folder / "mine" / "rule.py"
+    before = own_code.origin_of("controller", "my_swarms.rule:ByThirds")
+    file = folder / "my_swarms" / "rule.py"
     file.write_text(file.read_text().replace("[60, 0.0]", "[61, 0.0]"))
-    assert own_code.origin_of("controller", "mine.rule:ByThirds") != before
-    assert own_code.source_files() == {"mine.rule:ByThirds": file.resolve()}
+    assert own_code.origin_of("controller", "my_swarms.rule:ByThirds") != before
+    assert own_code.source_files() == {"my_swarms.rule:ByThirds": file.resolve()}
 
 
 class TestEntryPoints:
@@ -209,9 +226,12 @@ class TestEntryPoints:
     @pytest.fixture(autouse=True)
     def installed(self, monkeypatch):
         points = {
-            "swarm_gym.controllers": {"by-thirds": "mine.rule:ByThirds", "fixed": "mine.rule:ByThirds"},
-            "swarm_gym.optimizers": {"hill-climber": "mine.swarm:HillClimber"},
-            "swarm_gym.scenarios": {"hall": "mine.hall:HALL"},
+            "swarm_gym.controllers": {
+                "by-thirds": "my_swarms.rule:ByThirds",
+                "fixed": "my_swarms.rule:ByThirds",
+            },
+            "swarm_gym.optimizers": {"hill-climber": "my_swarms.swarm:HillClimber"},
+            "swarm_gym.scenarios": {"hall": "my_swarms.hall:HALL"},
         }
 
         def found(group):
@@ -222,7 +242,7 @@ class TestEntryPoints:
 
         monkeypatch.setattr(own_code, "_installed", found)
 
-    def test_they_are_names(self):
+    def test_short_names_are_names(self):
         assert make_controller("by-thirds").initial_population_size == 60
         assert get_optimizer("hill-climber").name == "hill-climber"
         assert SwarmEnv(scenario="hall", iterations=2).reset(seed=0)[1]["scenario"] == "hall"
@@ -238,13 +258,13 @@ class TestEntryPoints:
 
 
 def test_checks_pass_for_the_examples_of_the_page():
-    check_controller("mine.rule:ByThirds", "mine.hall:HALL")
-    check_scenario("mine.hall:HALL")
+    check_controller("my_swarms.rule:ByThirds", "my_swarms.hall:HALL")
+    check_scenario("my_swarms.hall:HALL")
 
 
 @pytest.mark.slow
 def test_the_check_of_optimizers_passes_for_the_example_and_for_ours():
-    check_optimizer("mine.swarm:HillClimber", "mine.hall:HALL")
+    check_optimizer("my_swarms.swarm:HillClimber", "my_swarms.hall:HALL")
     for name in OPTIMIZERS:
         check_optimizer(name, "block:20" if name in ("glowworm", "ant-colony") else "case3")
 
@@ -312,30 +332,30 @@ class TestEdits:
         return edit
 
     def test_an_edited_controller_is_the_one_that_is_made_and_checked(self, edit):
-        assert make_controller("mine.rule:ByThirds").initial_population_size == 60
-        edit("mine.rule", "initial_population_size = 60", "initial_population_size = 61")
-        assert make_controller("mine.rule:ByThirds").initial_population_size == 61
-        assert controller_of("mine.rule:ByThirds").initial_population_size == 61
-        check_controller("mine.rule:ByThirds")
-        edit("mine.rule", "return np.array(", "return np.nan * np.array(")
+        assert make_controller("my_swarms.rule:ByThirds").initial_population_size == 60
+        edit("my_swarms.rule", "initial_population_size = 60", "initial_population_size = 61")
+        assert make_controller("my_swarms.rule:ByThirds").initial_population_size == 61
+        assert controller_of("my_swarms.rule:ByThirds").initial_population_size == 61
+        check_controller("my_swarms.rule:ByThirds")
+        edit("my_swarms.rule", "return np.array(", "return np.nan * np.array(")
         with pytest.raises(OwnCodeError, match="act must return finite numbers"):
-            check_controller("mine.rule:ByThirds")
+            check_controller("my_swarms.rule:ByThirds")
 
     def test_the_controllers_of_experiments_are_made_once_for_each_code(self, edit):
-        first = controller_of("mine.rule:ByThirds")
-        assert controller_of("mine.rule:ByThirds") is first
-        edit("mine.rule", "initial_population_size = 60", "initial_population_size = 59")
-        assert controller_of("mine.rule:ByThirds").initial_population_size == 59
+        first = controller_of("my_swarms.rule:ByThirds")
+        assert controller_of("my_swarms.rule:ByThirds") is first
+        edit("my_swarms.rule", "initial_population_size = 60", "initial_population_size = 59")
+        assert controller_of("my_swarms.rule:ByThirds").initial_population_size == 59
         assert controller_of("fixed:60") is controller_of("fixed:60")
 
     def test_edited_scenarios_rewards_and_layouts_are_the_ones_that_are_made(self, edit):
-        assert make_scenario("mine.hall:HALL").target == (500.0, 0.0)
-        edit("mine.hall", "target=(500.0, 0.0)", "target=(450.0, 0.0)")
-        assert make_scenario("mine.hall:HALL").target == (450.0, 0.0)
-        reward, seen = make_reward("mine.pay:logarithm_of_the_gap"), make_observation("broken:seen")
-        edit("mine.pay", "0.0", "-5.0")
+        assert make_scenario("my_swarms.hall:HALL").target == (500.0, 0.0)
+        edit("my_swarms.hall", "target=(500.0, 0.0)", "target=(450.0, 0.0)")
+        assert make_scenario("my_swarms.hall:HALL").target == (450.0, 0.0)
+        reward, seen = make_reward("my_swarms.pay:logarithm_of_the_gap"), make_observation("broken:seen")
+        edit("my_swarms.pay", "0.0", "-5.0")
         edit("broken", "number = 3", "number = 4")
-        assert make_reward("mine.pay:logarithm_of_the_gap") is not reward
+        assert make_reward("my_swarms.pay:logarithm_of_the_gap") is not reward
         assert make_observation("broken:seen") is not seen
 
     def test_a_cell_of_a_notebook_that_ran_again_gives_another_controller(self, monkeypatch):
@@ -353,8 +373,8 @@ class TestEdits:
     @pytest.mark.slow
     @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
     def test_an_edited_optimizer_runs_its_new_kernels(self, edit, folder):
-        name, options = "mine.again:HillClimber", {"scenario": "case3", "initial_population_size": 9}
-        (folder / "mine/again.py").write_text((folder / "mine/swarm.py").read_text())
+        name, options = "my_swarms.again:HillClimber", {"scenario": "case3", "initial_population_size": 9}
+        (folder / "my_swarms/again.py").write_text((folder / "my_swarms/swarm.py").read_text())
 
         def episode():
             env = gymnasium.make(environment_id(name), iterations=9, **options)
@@ -363,9 +383,9 @@ class TestEdits:
 
         before = episode()
         assert episode() == before
-        edit("mine.again", "Parameter(0.2,", "Parameter(0.9,")
+        edit("my_swarms.again", "Parameter(0.2,", "Parameter(0.9,")
         larger_steps = episode()
-        edit("mine.again", "2.0 * work.noise[k] - 1.0", "0.0 * work.noise[k]")
+        edit("my_swarms.again", "2.0 * work.noise[k] - 1.0", "0.0 * work.noise[k]")
         no_steps = episode()
         assert before[-1] != larger_steps[-1]
         assert len(set(no_steps)) == 1 < len(set(before))

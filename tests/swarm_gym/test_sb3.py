@@ -20,7 +20,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 OPTIONS = {"iterations": 5, "initial_population_size": 6, "max_population_size": 12}
 
 
-def test_it_is_the_native_vector_with_the_layouts_of_networks():
+def test_make_vec_is_the_native_vector_with_the_layouts_of_networks():
     made = make_vec("particle-swarm", 3, seed=7, **OPTIONS)
     native = SwarmVectorEnv(
         3,

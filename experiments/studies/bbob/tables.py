@@ -61,9 +61,9 @@ def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     caption = (
         f"Over all functions: share of {len(TARGETS)} targets, precisions 1e2 to 1e{LEAST_PRECISION}, that "
         "runs reach [95 % interval over instances]; mean evaluations; mean logarithm of the precision minus "
-        f"that of {BASELINE} of the same optimizer on the same instance and seed (negative is closer) [95 % "
-        "interval]; share of the pairs in which it is closer; p of Wilcoxon's signed-rank test, two-sided, "
-        "Holm-corrected over the table, with the sign of its rank sum"
+        f"its value for {BASELINE} of the same optimizer on the same instance and seed (negative is closer) "
+        "[95 % interval]; share of the pairs in which it is closer; p of Wilcoxon's signed-rank test, "
+        "two-sided, Holm-corrected over the table, with the sign of its rank sum"
     )
     rows = [
         {

@@ -55,8 +55,8 @@ def _draw_event(axes: Axes, name: str) -> None:
 def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
     """Draw best fitness on the map in force and the optimum of that map, by iteration.
 
-    There is a panel for each set of scenarios in which an obstacle closes a corridor, with the events at the
-    middle one of the set's times.
+    Each set of scenarios in which an obstacle closes a corridor has a panel. Its events are at the middle one
+    of the set's times.
     """
     scenarios = [
         strata[0][len(strata[0]) // 2] for name, strata in outcomes.sets.items() if name.endswith("-gate")

@@ -22,16 +22,16 @@ FINDINGS = (
     Finding(f"{SMALLER} open loops of thirteen knots with as many steps.", (TOGETHER, CASE2, CASE3)),
     Finding(f"{SMALLER} themselves blinded.", (TOGETHER, CASE3)),
     Finding(f"{SMALLER} linear policies by CMA-ES with as many steps.", (TOGETHER,)),
-    Finding(f"{SMALLER} those of the same network by CMA-ES with as many steps.", (TOGETHER,)),
+    Finding(f"{SMALLER} policies of the same network by CMA-ES with as many steps.", (TOGETHER,)),
     Finding("On test fields, policies of fields by PPO end closer to the optimum than SPSFA-TIP.", ON_FIELDS),
     Finding(f"{SMALLER_ON_FIELDS} the open loop of fields that they correct.", ON_FIELDS),
     Finding(f"{SMALLER_ON_FIELDS} themselves blinded.", ON_FIELDS),
     Finding("The paper: SPSFA-TIP ends closer to the optimum than FA-100.", (TOGETHER,)),
     Finding(
-        f"{TOLD_HALF} 45 % smaller than that of SPSFA-TIP in cases 1 and 3.",
+        f"{TOLD_HALF} 45 % smaller than SPSFA-TIP's in cases 1 and 3.",
         (CASE1, CASE3),
     ),
-    Finding(f"{TOLD_HALF} 10 % smaller than that of SPSFA-TIP in case 2.", (CASE2,)),
+    Finding(f"{TOLD_HALF} 10 % smaller than SPSFA-TIP's in case 2.", (CASE2,)),
     Finding("Policies by PPO, told price 5, end closer to the optimum than SPSFA-TIP.", (CASE2, CASE3)),
 )
 # Keys of the groups that the page's table shows.

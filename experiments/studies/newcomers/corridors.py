@@ -1,8 +1,8 @@
 """Corridors of final best paths: how many runs end in which, and how good the best path in each is.
 
 Whether two paths are in one corridor is told by `swarm_gym.corridors`. On each scenario, A is the corridor of
-the optimum. The letters after it name the corridors in which most of the other runs end, ordered by the
-fitness of the best path that was found in them. All remaining corridors are pooled.
+the optimum. The letters after it name the corridors in which most of the other runs end. They are ordered by
+the fitness of the best path that was found in them. All remaining corridors are pooled.
 """
 
 from dataclasses import dataclass

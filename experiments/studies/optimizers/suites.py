@@ -1,7 +1,7 @@
 """Suites of every optimizer under control, shown in docs/optimizers.md.
 
-Each optimizer is a family: fixed sizes, the rules as printed and tuned, blind schedules of size, phi and
-the optimizer's own parameters, and policies by PPO that correct one of these schedules.
+Each optimizer is a family: fixed sizes, the rules as printed and tuned, blind schedules of size, phi and own
+parameters, and policies by PPO that correct a schedule.
 """
 
 from functools import partial

@@ -1,11 +1,13 @@
 """The controllers whose gaps stand in the tables of this study."""
 
-from collections.abc import Callable
 from typing import NamedTuple
+
+import numpy as np
 
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits
+from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
 CONSTANTS = (10, 20, 40, 80, 160)
@@ -13,6 +15,10 @@ CONSTANTS = (10, 20, 40, 80, 160)
 RECIPES = {"cma-search": "learned, evolution", "cma-search-ppo": "learned, PPO"}
 # Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
 FIRST_SIZE, LAST_SIZE = 180, 4
+REDUCTIONS = (
+    ("linear", "linear-reduction", LinearReduction),
+    ("nlpsr", "nlpsr", NonLinearReduction),
+)
 LIMITS = SizeLimits()
 
 
@@ -46,9 +52,15 @@ def entrants() -> list[Entrant]:
             if (policies := packaged_seeds(recipe))
         ),
         Entrant(
-            "L-SHADE, linear", L_SHADE, (_reduction("linear-reduction"),), LIMITS, _iterations_of(_linear)
+            "L-SHADE, linear",
+            L_SHADE,
+            (_reduction("linear-reduction"),),
+            LIMITS,
+            _iterations_of(LinearReduction),
         ),
-        Entrant("L-SHADE, nlpsr", L_SHADE, (_reduction("nlpsr"),), LIMITS, _iterations_of(_non_linear)),
+        Entrant(
+            "L-SHADE, nlpsr", L_SHADE, (_reduction("nlpsr"),), LIMITS, _iterations_of(NonLinearReduction)
+        ),
         Entrant("L-SHADE, N = 100", L_SHADE, ("fixed:100",)),
     ]
 
@@ -57,23 +69,10 @@ def _reduction(rule: str) -> str:
     return f"{rule}:start={FIRST_SIZE},smallest={LAST_SIZE}"
 
 
-def _iterations_of(fall: Callable[[float], float]) -> int:
-    """Return the fewest iterations in which a reduction spends the budget.
-
-    Args:
-        fall: share of the fall from the first to the last size, by the share of the iterations done.
-    """
+def _iterations_of(rule: type[LinearReduction]) -> int:
+    """Return the fewest iterations in which the sizes of a reduction spend the budget."""
     for iterations in range(EVALUATIONS // FIRST_SIZE, EVALUATIONS // LAST_SIZE):
-        shares = (fall(done / iterations) for done in range(iterations))
-        sizes = (round(FIRST_SIZE + (LAST_SIZE - FIRST_SIZE) * share) for share in shares)
-        if FIRST_SIZE + sum(sizes) >= EVALUATIONS:
+        fall = rule.fall(np.arange(iterations) / iterations)
+        if FIRST_SIZE + np.rint(FIRST_SIZE + (LAST_SIZE - FIRST_SIZE) * fall).sum() >= EVALUATIONS:
             return iterations
     raise ValueError(f"no number of iterations spends {EVALUATIONS} evaluations")
-
-
-def _linear(share: float) -> float:
-    return share
-
-
-def _non_linear(share: float) -> float:
-    return float(share ** (1.0 - share))

@@ -14,6 +14,7 @@ from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, SCENARI
 from swarm_gym.controllers import make_controller
 from swarm_gym.files import write_atomically
 from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST
 
 Floats = NDArray[np.float64]
@@ -67,8 +68,9 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path)
     found = [_run(entrant, controller, scenario, num_runs) for scenario in SCENARIOS]
     measured = Measured(*(np.stack(part) for part in zip(*found, strict=True)))
     lists = {name: part.tolist() for name, part in measured._asdict().items()}
+    content = {"asked": asked, "functions": FUNCTIONS, **lists, "provenance": provenance()}
     folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(file, json.dumps({"asked": asked, "functions": FUNCTIONS, **lists}) + "\n")
+    write_atomically(file, json.dumps(content) + "\n")
     return measured
 
 

@@ -16,6 +16,7 @@ from swarm_gym.files import write_atomically
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.reference.flight_ways import flight_ways
 from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.worlds import make_problem
@@ -52,8 +53,9 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
                 stored = [best_cost(row.peer, problem, evaluations, seed) for seed in TEST[: asked.runs]]
             else:
                 stored = _run(row, terrain, asked, evaluations)
+            content = {"asked": identity, "costs": stored, "provenance": provenance()}
             folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(folder / name, json.dumps({"asked": identity, "costs": stored}) + "\n")
+            write_atomically(folder / name, json.dumps(content) + "\n")
         found.append(stored)
     return np.array(found)
 

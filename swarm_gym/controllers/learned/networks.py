@@ -199,8 +199,8 @@ class RecurrentController(FeedforwardController):
     forget gate of F. Gers et al., Neural Computation 12 (2000); gates in the order of `torch.nn.LSTM`. The
     four numbers of the SPSFA paper lack the population size; a memory can make up for missing observations.
 
-    The file has a layer `lstm` with weight (4 h, features + h) and bias (4 h,), where h is the manifest's
-    `lstm_size`, and the layers after it.
+    The file has a layer `lstm` with weight (4 h, features + h) and bias (4 h,), and the layers after it. The
+    manifest's `lstm_size` is h.
     """
 
     network = LSTM

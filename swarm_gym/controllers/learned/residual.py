@@ -1,7 +1,7 @@
 """Residual policies: a policy adds corrections to the decisions of an existing controller, its base.
 
 Source: T. Silver et al., "Residual policy learning", arXiv 1812.06298 (2018). Decisions and corrections are
-added in an action layout scaled to [-1, 1], so that a policy whose output is zero decides as its base does.
+added in an action layout scaled to [-1, 1]. So a policy whose output is zero decides as its base does.
 """
 
 from typing import NamedTuple

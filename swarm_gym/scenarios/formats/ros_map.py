@@ -14,8 +14,8 @@ Map coordinates are metres, x to the right and y upwards. The key `mode` says wh
   (253), lethal ones (254) and unknown ones (255) are not free. Thresholds may be left out.
 
 `read_graded_ros_map` takes the values that map_server publishes as grades. In a map of free and blocked
-cells, unknown cells count as blocked, because a robot must not plan through an area that it has not seen. In
-every mode a pixel that is not opaque is unknown. `ros_image` reads the pictures.
+cells, unknown cells count as blocked. A robot must not plan through an area that it has not seen. In every
+mode a pixel that is not opaque is unknown. `ros_image` reads the pictures.
 """
 
 import math
@@ -162,8 +162,8 @@ def tidy(name: str) -> str:
 def make(name: str) -> GridScenario:
     """Return the scenario of that name; start, goal and radius are in metres.
 
-    The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`, or an
-    absolute path that ends with `.yaml`. A name that ends with `.yml` is that of the file itself.
+    The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`. It may be
+    an absolute path that ends with `.yaml`. A name that ends with `.yml` is that of the file itself.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.

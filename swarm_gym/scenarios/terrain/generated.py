@@ -4,9 +4,9 @@ The splits `train`, `validation` and `test` are drawn alike and are disjoint. `t
 have 15 threats, `train-many` and `validation-many` have 30; `train` and `validation` alternate, even numbers
 have 15.
 
-`terrain:test:0` to `terrain:test:27` have 15 threats, `terrain:test:28` to `terrain:test:55` have 30. These
-are the terrains that MetaBox makes in its mode `custom` with its own seed and the difficulty `all`, but for
-two whose goal lies in a threat, 33 and 36. The next two of the same stream follow the others instead.
+`terrain:test:0` to `terrain:test:27` have 15 threats, `terrain:test:28` to `terrain:test:55` have 30. MetaBox
+makes these terrains in its mode `custom` with its own seed and the difficulty `all`. Two are others, 33 and
+36, since their goal lies in a threat. The next two of the same stream follow the others instead.
 
 A terrain whose goal lies in a threat is left out in the other splits, too: the stream of its seed goes on.
 """

@@ -3,9 +3,9 @@
 Source: the function `createmodel` of the program MetaBox of Z. Ma et al., NeurIPS 2025, repository
 MetaEvo/MetaBox, commit 5565a28. It follows M. A. Shehadeh and J. Kudela, "Benchmarking global optimization
 techniques for unmanned aerial vehicle path planning", arXiv 2501.14503 (2025). Only facts are taken from
-there: what is drawn, in which order, and how it is combined. From the same random stream the same terrain
-results, bit for bit, as long as NumPy and SciPy are the same and run on the same processor. Elsewhere heights
-may differ in their last digits.
+there: what is drawn, in which order, and how it is combined. The same random stream gives the same terrain,
+bit for bit, if NumPy, SciPy and the processor are the same. Elsewhere heights may differ in their last
+digits.
 
 The terrain begins with one to four random points. Eight times every point gets three new points around it,
 whose heights and roughnesses are interpolated and disturbed. The height map interpolates all points linearly.

@@ -238,6 +238,6 @@ class TerrainScenario:
             if distance < radius + self.drone_size and altitude < top + self.drone_size:
                 raise ScenarioError(
                     f"{self._where}: {role} {point} lies inside threat {number} at ({threat_x}, {threat_y}), "
-                    f"{distance:.1f} metres from its centre, expected at least its radius {radius} and the "
+                    f"{distance:.1f} metres from its centre; expected at least its radius {radius} plus the "
                     f"size of the drone, {self.drone_size}"
                 )

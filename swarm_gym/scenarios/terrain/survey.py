@@ -1,8 +1,8 @@
 """Flights over real ground: an elevation model, threats, a start and a goal as a task in metres.
 
 An elevation model in metres keeps its posts, if they are as far apart to the east as to the north. One in
-degrees is sampled on a grid of metres around start and goal, twice as fine as its posts where that is not too
-much.
+degrees is sampled on a grid of metres around start and goal. This grid is twice as fine as its posts where
+that is not too much.
 """
 
 import math

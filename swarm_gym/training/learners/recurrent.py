@@ -20,8 +20,8 @@ from swarm_gym.training.learners.ppo import PPOLearner
 class SequencePolicy(MlpLstmPolicy):
     """The library's policy, made faster.
 
-    The library goes step by step through every batch in which an episode begins. If episodes begin only at
-    the start of sequences, as in minibatches, emptying the first states is enough, and one call of the LSTM
+    The library goes step by step through every batch in which an episode begins. In minibatches, episodes
+    begin only at the start of sequences. Then emptying the first states is enough, and one call of the LSTM
     computes the whole sequence.
     """
 

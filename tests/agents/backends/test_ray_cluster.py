@@ -137,7 +137,7 @@ def test_workers_get_the_own_code_that_a_command_names(tmp_path, cluster, monkey
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     write_own_files(tmp_path)
-    suite = Suite("paper", ("mine.rule:ByThirds", "spsfa-tip"), ("mine.hall:HALL",), 3, "spsfa-tip")
+    suite = Suite("paper", ("my_swarms.rule:ByThirds", "spsfa-tip"), ("my_swarms.hall:HALL",), 3, "spsfa-tip")
     with closing(RayBackend(cluster.address, 0)) as backend:
         for name, by in (("here", LocalBackend(1)), ("there", backend)):
             make_database(tmp_path / name / "paper.sqlite", suite, by)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from experiments.documents.records import records_in, short_commit
 from experiments.planners.__main__ import PlannersConfig, compare
 from experiments.planners.found import Found, Valid, validate
 from experiments.planners.measuring import AFTER_EVENTS, ON_MAPS, PlannerRun, read
@@ -100,7 +101,9 @@ def test_a_small_comparison_has_free_paths_only_and_goes_on_where_it_stopped(tmp
     before = (tmp_path / "planning.jsonl").read_text()
     compare(config)
     assert (tmp_path / "planning.jsonl").read_text() == before
-    assert json.loads(before.splitlines()[0])["found"]
+    first = json.loads(before.splitlines()[0])
+    assert first["found"]
+    assert [*records_in(tmp_path)[0].commits] == [short_commit(first["commit"])]
 
 
 def test_an_unknown_kind_of_map_is_refused_with_the_known_ones(tmp_path):

@@ -12,6 +12,7 @@ from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.documents.marked_blocks import fill
+from experiments.documents.records import records_in
 from experiments.documents.suite_page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs import episode
@@ -234,6 +235,9 @@ def test_the_command_writes_tables_and_keeps_the_database(known, tmp_path):
     assert page.read_text().count("Runs made with: commit") == 1
     made_with = (folder / "made-with.md").read_text()
     assert made_with.startswith("2 seeds per controller and scenario, scenarios: 2. Runs")
+    (record,) = records_in(folder)
+    assert record.name == "tiny"
+    assert record.digests.keys() >= set(SUITE.controllers)
     stored = contents(folder)
     evaluate(config)
     assert contents(folder) == stored

@@ -80,7 +80,7 @@ def test_lengths_are_those_of_feasible_paths():
     assert infeasible["rival or limit"] == "0.00"
     assert fitness["controller"] == f"{1.3 * optimum:.3g}"
     assert fitness["holds"] == "**no**"
-    assert "length is that of the best paths that are feasible" in table.caption
+    assert "length is taken over the best paths that are feasible" in table.caption
 
 
 def test_a_length_of_no_feasible_path_is_missing():

@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("sb3_contrib", reason="needs the extra `study`")
 
+from experiments.documents.records import records_in
 from experiments.learners import LearnersConfig, run
 from experiments.studies.learners import recipes, trainings
 from experiments.studies.learners import tables_of_learners as tables
@@ -86,6 +87,9 @@ def test_the_command_writes_tables_and_curves(short, monkeypatch, tmp_path):
     assert rows["PPO (`ppo`)"].endswith("| – |")  # corrects nothing
     of_paper, _, of_base = rows["PPO (`ppo-residual-rules`)"].split(" | ")[-3:]
     assert of_base == f"{of_paper} |"
+    (record,) = records_in(tmp_path)
+    assert record.commits
+    assert "SPSFA-TIP" in record.digests
     with pytest.raises(UnknownNameError, match="unknown recipe 'pppo'"):
         run(LearnersConfig(("pppo",), (0,), STEPS, tmp_path))
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from experiments import terrain as command
+from experiments.documents.records import records_in
 from experiments.studies.terrain import measured_costs
 from experiments.studies.terrain.measured_costs import Asked, measure, planned_cost
 from experiments.studies.terrain.peers import PEERS, Counted, best_cost
@@ -97,3 +98,6 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
     assert "fireflies, waypoints, guided" in text
     assert PLANNED in text
     assert "little" in files[1].read_text(encoding="utf-8")
+    (record,) = records_in(tmp_path)
+    assert record.commits
+    assert "fireflies, waypoints, guided" in record.digests

@@ -38,7 +38,7 @@ def test_gymnasium_accepts_it(name):
 
 @every_algorithm
 @pytest.mark.parametrize("scenario", ["case1", "rooms:0", "function:rastrigin-2"])
-def test_it_keeps_the_contract_of_optimizers(name, scenario):
+def test_an_adapted_algorithm_keeps_the_contract_of_optimizers(name, scenario):
     check_optimizer(name, scenario)
 
 

@@ -13,18 +13,18 @@ from swarm_gym.errors import SettingError
 from swarm_gym.testing import check_optimizer
 
 PAGE = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text()
-FILES = dict(re.findall(r"`(mine/\w+\.py)`:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
+FILES = dict(re.findall(r"`(my_swarms/\w+\.py)`:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
 @pytest.fixture
-def mine(tmp_path, monkeypatch):
-    """Write the files of the page, where `mine` is imported from."""
+def my_swarms(tmp_path, monkeypatch):
+    """Write the files of the page, where `my_swarms` is imported from."""
     for name, code in FILES.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
-    for name in [name for name in sys.modules if name.split(".")[0] == "mine"]:
+    for name in [name for name in sys.modules if name.split(".")[0] == "my_swarms"]:
         monkeypatch.delitem(sys.modules, name)
 
 
@@ -64,15 +64,15 @@ def test_the_example_of_dacbench_prints_three_returns(library, capsys):
     assert len(eval(capsys.readouterr().out.splitlines()[-1], {"np": np})) == 3
 
 
-@pytest.mark.usefixtures("mine")
+@pytest.mark.usefixtures("my_swarms")
 def test_another_library_is_adapted_in_a_few_lines():
-    check_optimizer("mine.steps:RandomSteps")
+    check_optimizer("my_swarms.steps:RandomSteps")
 
 
-@pytest.mark.usefixtures("mine")
+@pytest.mark.usefixtures("my_swarms")
 @pytest.mark.parametrize("library", [pytest.param("pymoo", marks=missing("pymoo"))])
 def test_another_algorithm_of_a_library_is_adapted_in_a_few_lines(library):
-    name = "mine.de:DifferentialEvolution"
+    name = "my_swarms.de:DifferentialEvolution"
     with pytest.raises(SettingError, match="min_population_size must lie in \\[4"):
         SwarmEnv(name)
     env = SwarmEnv(name, iterations=3, min_population_size=4, action="extended")

@@ -51,7 +51,7 @@ def scenario_after(reset, env):
     return found
 
 
-def test_its_environment_is_one_of_dacbench_and_of_gymnasium():
+def test_the_environment_of_a_benchmark_is_one_of_dacbench_and_of_gymnasium():
     env = make(scenarios=["case1"]).get_environment()  # with several, a seed does not choose the instance
     assert isinstance(env, SwarmDACEnv)
     with warnings.catch_warnings():

@@ -33,7 +33,7 @@ def view(env, degree=0.0):
 
 
 @pytest.mark.parametrize("scenario", ["case3", "rooms:0", "function:rastrigin-2"])
-def test_it_keeps_the_contract_of_optimizers(scenario):
+def test_an_optimizer_of_a_library_keeps_the_contract_of_optimizers(scenario):
     check_optimizer(NAME, scenario)
 
 

@@ -27,7 +27,7 @@ def test_kernels_that_only_kernels_call_can_be_called_from_python(decorate):
     assert decorate(half)(np.arange(4.0)) == 3.0
 
 
-def test_they_are_compiled_into_the_kernels_that_call_them():
+def test_kernels_that_only_kernels_call_are_compiled_into_their_callers():
     plain, late, early = kernel(half), kernel(inline="late")(half), kernel(inline="early")(half)
 
     @entry

@@ -105,7 +105,7 @@ def compile_in_four_processes(folder):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it forks")
-def test_of_processes_that_need_the_same_one_compiles_it(folder):
+def test_one_of_the_processes_that_need_a_kernel_compiles_it(folder):
     code = f"import {__name__} as tests; tests.compile_in_four_processes(tests.Path({str(folder)!r}))"
     printed = subprocess.check_output([sys.executable, "-c", code], cwd=Path(__file__).parent, text=True)
     assert printed == "[0, 1, 1, 1]\n"

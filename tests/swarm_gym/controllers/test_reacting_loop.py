@@ -43,7 +43,7 @@ def test_on_a_map_that_stays_it_is_the_open_loop():
     )
 
 
-def test_its_options_are_those_of_the_open_loop_but_for_what_it_sees():
+def test_a_reacting_loop_has_the_options_of_the_open_loop_but_sees_more():
     reacting, loop = (
         make_controller(f"{family}:{NAME}").env_options() for family in ("reacting-loop", "open-loop")
     )

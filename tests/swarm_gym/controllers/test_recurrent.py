@@ -73,7 +73,7 @@ def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(policy):
     assert_decides_alike_at_any_width(lambda: load_learned(policy), np.random.default_rng(2), seed=0)
 
 
-def test_it_remembers_within_an_episode_and_forgets_between_two(policy):
+def test_a_recurrent_policy_remembers_within_an_episode_and_forgets_between_two(policy):
     controller = load_learned(policy)
     first, second = random_observations("extended", np.random.default_rng(3), 2)[:, None]
     first[0, ITERATION], second[0, ITERATION] = 0.0, 0.5

@@ -22,8 +22,8 @@ from swarm_gym.scenarios import make_scenario
 class PaperAlgorithm2:
     """SPSFA-TIP from the printed pseudocode: one population, one loop, no controller, no environment.
 
-    Uses the tested kernels for the cost of a path, its repair, random numbers, E(P) and resizing, so that
-    the comparison can be bit for bit; moves, order, rules and bookkeeping are written out.
+    Uses the tested kernels for cost, repair, random numbers, E(P) and resizing, so that the comparison can be
+    bit for bit; moves, order, rules and bookkeeping are written out.
     """
 
     omega, eta, low_deviation, k = 1000.0, 0.2, 20.0, 0.1

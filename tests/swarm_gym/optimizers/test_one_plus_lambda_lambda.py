@@ -193,7 +193,7 @@ def test_a_budget_is_never_exceeded_and_used_up(budget, counting):
 # Who solves what.
 
 
-def test_it_is_no_optimizer_of_paths_but_has_a_name_as_all():
+def test_the_optimizer_of_bits_is_none_of_paths_but_has_a_name_as_all():
     assert OPTIMIZER in SPECIAL_OPTIMIZERS
     assert OPTIMIZER not in OPTIMIZERS
     assert ALL_OPTIMIZERS.keys() == OPTIMIZERS.keys() | SPECIAL_OPTIMIZERS.keys()
@@ -207,7 +207,7 @@ def test_other_optimizers_refuse_bit_strings_by_name(optimizer):
 
 
 @pytest.mark.parametrize("scenario", ["case1", "rooms:0", "function:rastrigin-2", "function:bbob-1-5-1"])
-def test_it_refuses_maps_and_functions_by_name(scenario):
+def test_the_optimizer_of_bits_refuses_maps_and_functions_by_name(scenario):
     with pytest.raises(SettingError, match=scenario):
         SwarmEnv(OPTIMIZER, scenario=scenario)
 

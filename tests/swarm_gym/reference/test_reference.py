@@ -96,7 +96,7 @@ def test_shortest_paths_have_the_lengths_of_their_closed_forms(obstacles, expect
     assert shortest_path(scenario(*obstacles))[0] == pytest.approx(expected, rel=1e-12)
 
 
-def test_it_does_not_pass_between_circles_that_overlap():
+def test_the_shortest_path_does_not_pass_between_circles_that_overlap():
     circles = Circle(5.0, 1.0, 1.0), Circle(5.0, -1.0, 1.0 + 1e-6)
     assert shortest_path(scenario(*circles))[0] > 10.5
 

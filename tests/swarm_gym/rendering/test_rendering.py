@@ -216,7 +216,7 @@ def test_members_that_are_points_are_dots_and_colliding_ones_rings():
     assert coloured[False] < coloured[True]
 
 
-def test_of_a_walking_robot_its_trajectory_and_place_are_shown():
+def test_the_trajectory_and_place_of_a_walking_robot_are_shown():
     env = gymnasium.make("swarm_gym/Glowworm-v0", scenario="block:50", render_mode="rgb_array")
     env.reset(seed=1)
     while not env.step(np.array([65.0, 0.0]))[2]:

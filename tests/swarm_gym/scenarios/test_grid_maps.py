@@ -311,7 +311,7 @@ def test_files_are_found_in_the_folder_before_its_sub_folders(folder):
         assert find_data_file("a.map") == place
 
 
-def test_of_several_names_the_first_one_there_is_found(folder):
+def test_the_first_of_several_names_that_is_there_is_found(folder):
     second = put(folder / "movingai/a.scen")
     assert find_data_file("a.map.scen", "a.scen") == second
     first = put(folder / "zoo/a.map.scen")

@@ -122,7 +122,7 @@ def test_what_is_no_file_is_refused(folder, read):
 
 @given(content=mutated(MAP, *INSERTIONS) | st.binary(max_size=60))
 @fuzzed
-def test_of_any_bytes_a_map_is_read_or_refused(folder, content):
+def test_a_map_of_any_bytes_is_read_or_refused(folder, content):
     made = None
     with suppress(ScenarioError):
         made = read_map(written(folder, content))
@@ -183,7 +183,7 @@ def test_a_file_without_problems_is_refused(folder):
 
 @given(content=mutated(PROBLEMS, *INSERTIONS) | st.binary(max_size=60))
 @fuzzed
-def test_of_any_bytes_problems_are_read_or_refused(folder, content):
+def test_problems_of_any_bytes_are_read_or_refused(folder, content):
     found = []
     with suppress(ScenarioError):
         found = read_scenarios(written(folder, content, "small.scen"))

@@ -223,7 +223,7 @@ def test_pixels_of_a_map_that_is_too_large_are_not_decoded(folder, size):
 
 @given(content=mutated(YAML.encode(), *INSERTIONS) | st.binary(max_size=60))
 @fuzzed
-def test_of_any_bytes_a_description_is_read_or_refused(folder, content):
+def test_a_description_of_any_bytes_is_read_or_refused(folder, content):
     path = folder / "small.yaml"
     path.write_bytes(content)
     made = None
@@ -234,7 +234,7 @@ def test_of_any_bytes_a_description_is_read_or_refused(folder, content):
 
 @pytest.mark.parametrize("kind", ["pgm", "png", "bmp", "jpg"])
 @pytest.mark.fuzzed
-def test_of_any_bytes_an_image_is_read_or_refused(folder, kind):
+def test_an_image_of_any_bytes_is_read_or_refused(folder, kind):
     path = image(folder, PIXELS, name=f"small.{kind}")
     whole = (folder / f"small.{kind}").read_bytes()
 

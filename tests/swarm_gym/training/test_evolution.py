@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("plain_pictures")
 EVOLUTION = {**trainings.EVOLUTION, "num_swarms": 8}
 
 
-def test_it_learns_to_save_evaluations_that_cost_much(tmp_path):
+def test_evolution_learns_to_save_evaluations_that_cost_much(tmp_path):
     options = {"price": (500.0,), "hidden_layers": (), "candidates": 8, "sigma": 0.5, "rollouts_per_chunk": 4}
     run = train(tmp_path, **{**EVOLUTION, **options}, total_steps=3 * 4 * 8 * 100)
     first = run.learner.weights()

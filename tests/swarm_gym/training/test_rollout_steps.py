@@ -30,14 +30,14 @@ pytestmark = pytest.mark.usefixtures("plain_pictures")
         {"base": "theory", "corrected_from": 2},
     ],
 )
-def test_they_are_refused_where_whole_episodes_are_needed(tmp_path, options):
+def test_rollout_steps_are_refused_where_whole_episodes_are_needed(tmp_path, options):
     with pytest.raises(ValueError, match=r"rollout_steps 25: .*set rollout_steps to 0"):
         train(tmp_path, **BITS, **options)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("steps", [-1, 2.5])
-def test_they_are_whole_numbers_from_0(tmp_path, steps):
+def test_rollout_steps_are_whole_numbers_from_0(tmp_path, steps):
     with pytest.raises(ValueError, match=f"rollout_steps must .*{steps}"):
         train(tmp_path, **{**BITS, "rollout_steps": steps})
 
