@@ -238,7 +238,7 @@ def _classify(paths: Floats, points: Floats, forward: Floats) -> Integers:
 
     A segment crosses the line through a post across the start-target line if its ends lie before and behind
     that line; an end on the line lies before it. The crossing is to the left of the post if the post lies to
-    the right of the segment, seen in the direction in which the segment leads forward.
+    the right of the segment. Left and right are seen in the forward direction of the segment.
     """
     found = np.zeros((paths.shape[0], points.shape[0]), dtype=np.int64)
     along = np.empty(points.shape[0])

@@ -11,7 +11,6 @@ import ast
 import re
 import sys
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 OPENINGS = (
@@ -24,9 +23,6 @@ ENTRY_OPENINGS = tuple(sorted(set(OPENINGS) - {"as", "for", "how", "if", "whethe
 # A name of a test that begins so cannot be understood without its file.
 PRONOUNS = ("he", "it", "its", "of", "she", "that", "their", "them", "these", "they", "this", "those")
 MOST_WORDS = 25  # of a sentence
-# Edits there compile all kernels again, so their docstrings are mended when their code changes.
-KERNEL_SOURCES = ("compiler", "problem", "optimizers", "reference", "final_repair", "corridors.py")
-MOST_WORDS_OF_KERNELS = 40
 
 _ENTRY = re.compile(r"^ {4}\*{0,2}\w[\w, .*]*: (.*)$")
 _SECTION = re.compile(r"^(Args|Attributes|Raises|Returns|Yields):$")
@@ -40,22 +36,22 @@ def fragment(text: str, openings: tuple[str, ...]) -> str | None:
     return None
 
 
-def long_sentence(text: str, most: int = MOST_WORDS) -> str | None:
+def long_sentence(text: str) -> str | None:
     """Return the beginning of the first sentence that has too many words, or None if there is none."""
     for paragraph in re.split(r"\n\s*\n|\n\s*[*|-]|\n {4,}", text):
         for sentence in re.split(r"(?<=[.;:!?])\s+", paragraph):
             words = [word for word in sentence.split() if re.search("[A-Za-z]", word)]
-            if len(words) > most:
+            if len(words) > MOST_WORDS:
                 return " ".join(words[:6])
     return None
 
 
-def faults(docstring: str, most: int = MOST_WORDS) -> Iterator[str]:
-    """Yield what is wrong with a docstring, whose sentences have at most so many words."""
+def faults(docstring: str) -> Iterator[str]:
+    """Yield what is wrong with a docstring."""
     if opening := fragment(docstring, OPENINGS):
         yield f'begins with "{opening}"'
-    if sentence := long_sentence(docstring, most):
-        yield f'a sentence has more than {most} words: "{sentence} ..."'
+    if sentence := long_sentence(docstring):
+        yield f'a sentence has more than {MOST_WORDS} words: "{sentence} ..."'
     section = False
     for line in docstring.split("\n"):
         section = bool(_SECTION.match(line)) or (section and (not line or line.startswith(" ")))
@@ -122,9 +118,7 @@ def check(folders: list[Path]) -> list[str]:
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
             tree = ast.parse(file.read_text(encoding="utf-8"))
-            in_kernels = file.parts[0] == "swarm_gym" and file.parts[1] in KERNEL_SOURCES
-            of_docstring = partial(faults, most=MOST_WORDS_OF_KERNELS) if in_kernels else faults
-            checks = ((texts, of_docstring), (messages, faults_of_message), (names_of_tests, faults_of_name))
+            checks = ((texts, faults), (messages, faults_of_message), (names_of_tests, faults_of_name))
             found += [
                 f"{file}:{line}: {fault}"
                 for find, faults_in in checks

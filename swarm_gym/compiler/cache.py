@@ -1,9 +1,9 @@
 """The cache of compiled kernels, which cannot be stale.
 
 Numba's cache looks at the file of the cached function only: it does not notice an edit in a *called* function
-of another file, and it reuses code that was compiled without bounds checks where they are asked for. Here a
-digest of all sources that hold kernels and of the bounds-check flag names the cache folder, so that neither
-can happen. What is compiled for classes of users has folders of its own, named by a digest of their sources.
+of another file. It reuses code without bounds checks where they are asked for. Here a digest of all sources
+that hold kernels and of the bounds-check flag names the cache folder, so that neither can happen. What is
+compiled for classes of users has folders of its own, named by a digest of their sources.
 """
 
 import hashlib

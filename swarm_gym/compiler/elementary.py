@@ -1,10 +1,10 @@
 """Elementary functions that give the same bits on every processor.
 
-NumPy and the C library choose their code for exp, log and their kin by the instructions that a processor has,
-and the last bit of a result depends on that choice. What decides a run uses the functions of this module:
-observations, scales of actions, controllers, networks and generators of problems. They consist of additions,
-products, quotients and square roots of float64, which IEEE 754 defines to the last bit, in a fixed order and
-without fused operations.
+NumPy and the C library choose their code for exp, log and their kin by the instructions of the processor. The
+last bit of a result depends on that choice. What decides a run uses the functions of this module:
+observations, scales of actions, controllers, networks and generators of problems. The functions consist
+of additions, products, quotients and square roots of float64, which IEEE 754 defines to the last bit. Their
+order is fixed, and no operations are fused.
 
 Sources: W. J. Cody, W. Waite, "Software manual for the elementary functions", Prentice-Hall, 1980 (reduction
 of arguments in two parts); W. Kahan's identities for log(1 + x) and exp(x) - 1, in N. J. Higham, "Accuracy

@@ -1,7 +1,8 @@
 """Sources outside of the package that compiled code depends on: those of optimizers and kernels of users.
 
-The folder of the cache is named by the sources of this package. Code that was compiled for a class of a user,
-such as the parameters of an own optimizer, also depends on the module of this class and on what it imports.
+The folder of the cache is named by the sources of this package. Code that was compiled for a class of a user
+also depends on the module of this class and on what it imports. Parameters of an own optimizer are such a
+class.
 
 The cache needs the source that a module was executed from. Code that was typed in has no file: in a notebook
 cell, IPython, on standard input or after `python -c`. A module that `importlib.reload` has executed again may

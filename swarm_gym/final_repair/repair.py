@@ -43,7 +43,7 @@ def final_repair(problem: MapProblem, path: Floats) -> FinalRepair | None:
     """Return a free path near a path, (k, 2) in map units; None if none was found.
 
     Where the path enters obstacles by little, it is pushed out of them by small shifts. Pieces for which that
-    does not suffice are planned anew, by an exact planner on maps of circles and polygons, and by A* on grid
+    does not suffice are planned again: by an exact planner on maps of circles and polygons, by A* on grid
     maps. At last the path is pulled tight. The result is checked exactly.
     """
     whole = np.asarray(path, dtype=np.float64)

@@ -6,8 +6,8 @@ differential evolution with optional external archive", IEEE Transactions on Evo
 2009. The population size is decided from outside: the linear reduction of the paper is the controller
 `linear-reduction`, and `nlpsr` is a later one. Readings are listed in docs/readings.md.
 
-A generation makes one trial of each member. The scale factor F of a trial comes from a Cauchy distribution
-and its crossover rate CR from a normal one, each around an entry of the memory. Factors and rates of the
+A generation makes one trial of each member. The scale factor F of a trial comes from a Cauchy distribution,
+and its crossover rate CR from a normal one. Both are around an entry of the memory. Factors and rates of the
 trials that improved on their member enter the memory, and the members that they replace enter the archive.
 """
 

@@ -147,9 +147,9 @@ def _closed_parts(
 def _closed_part(left: float, right: float, near: float, radius: float) -> tuple[float, float]:
     """Return the part of a quarter around the origin that is too close to a rectangle of height 1.
 
-    The points that are too close form a rectangle with round corners: two rectangles and four discs. Since a
-    rectangle that does not touch the origin from inside the quarter closes one interval, this is all between
-    the least and the greatest angle of these.
+    The points that are too close form a rectangle with round corners: two rectangles and four discs. A
+    rectangle that does not touch the origin from inside the quarter closes one interval. So this is all
+    between the least and the greatest angle of these.
 
     Args:
         left: least coordinate of the rectangle along the columns, away from the corner's blocked cell.

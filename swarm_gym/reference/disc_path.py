@@ -41,8 +41,8 @@ def as_polyline(
 ) -> NDArray[np.float64]:
     """Return a polyline, (k, 2), in shifted cells, that is nowhere closer to blocked cells than the path.
 
-    It is longer by `LONGER` at most. Where blocked cells are on the other side of an arc, so close that the
-    points outside of it would be too close to them, there are more points.
+    It is longer by `LONGER` at most. Blocked cells on the other side of an arc may be so close that points
+    outside of it would be too close to them. There are more points there.
 
     Args:
         grid: the grid with its corners.

@@ -5,9 +5,9 @@ Intervals of rays grow row by row.
 Source: after the projection of intervals in D. Harabor, A. Grastien, D. Öz, V. Aksakalli, "Optimal any-angle
 pathfinding in practice", J. Artif. Intell. Res. 56:89-118, 2016.
 
-A grid has a ring of blocked cells around it here, and coordinates are such that the cell in column c and
-row r is the square from c to c + 1 and from r to r + 1: points (column, row) are shifted by `SHIFT`. A corner
-is a crossing of grid lines with one blocked cell out of four: only there a shortest path can turn.
+A grid has a ring of blocked cells around it here. The cell in column c and row r is the square from c to c +
+1 and from r to r + 1: points (column, row) are shifted by `SHIFT`. A corner is a crossing of grid lines with
+one blocked cell out of four: only there a shortest path can turn.
 
 Sight is a set of rays, given by their slopes: columns per row of distance. The slope to a corner is one
 division. For points at corners and centres, its numbers are exact, so that equal slopes have equal bits: two

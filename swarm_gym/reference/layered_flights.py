@@ -1,7 +1,7 @@
 """Flights over a coarse graph: offsets and altitudes at each waypoint, with the terms of the documented cost.
 
 Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node follows from
-the best flight to that node, so a flight is good and not always the best one of the graph.
+the best flight to that node. So a flight is good and not always the best one of the graph.
 """
 
 import math

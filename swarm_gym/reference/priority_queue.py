@@ -1,7 +1,7 @@
 """An indexed binary heap for the searches on grids, in kernels: one entry per node, cheaper ones rise.
 
 Nodes are numbers from 0. The least cost comes first; among equal costs the longer path behind it, which is
-nearer to the goal, and then the smaller number, so that the order is the same everywhere.
+nearer to the goal, and then the smaller number. So the order is the same everywhere.
 """
 
 from typing import NamedTuple

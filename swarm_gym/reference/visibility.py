@@ -1,9 +1,8 @@
 """The exact shortest path among the obstacles of a scenario, by a tangent visibility graph.
 
-Source: T. Lozano-Perez, M. A. Wesley, "An algorithm for planning collision-free paths among
-polyhedral obstacles", Commun. ACM 22 (1979). Circles are treated alike: a shortest path consists of
-arcs of circles and of segments, each tangent to an obstacle at both ends unless it ends at start or
-target.
+Source: T. Lozano-Perez, M. A. Wesley, "An algorithm for planning collision-free paths among polyhedral
+obstacles", Commun. ACM 22 (1979). Circles are treated alike: a shortest path consists of arcs of circles and
+of segments. A segment is tangent to an obstacle at both ends, or ends at start or target.
 
 Everything is computed in coordinates whose origin is the start and whose unit is the extent of the scenario.
 """

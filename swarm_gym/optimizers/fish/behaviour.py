@@ -3,8 +3,8 @@
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm",
 Mathematical Problems in Engineering, 2016, called the IAFSA paper here; readings are in docs/readings.md.
 
-Lengths are measured in the ranges of the components. A distance is a root mean square over the components
-if these make up a path, so that it does not grow with their number, and Euclidean on test functions.
+Lengths are measured in the ranges of the components. A distance is a root mean square over the components if
+these make up a path, so that it does not grow with their number. On test functions it is Euclidean.
 
 A fish takes its turn: it finds candidates by one or two behaviours and moves to the best of them, even if
 that is worse than its position. Points that it only looks at, which are centres and the tries of AFSA, are

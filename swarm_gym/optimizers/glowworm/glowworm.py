@@ -3,8 +3,8 @@
 Sources: K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local
 optima of multimodal functions", Swarm Intelligence 3:87-124, 2009; in the form of M. Brand, X.-H. Yu,
 "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-5. A member is a place on a
-grid map, and the path is the trajectory of the robot, from the start until it is at the target. Brand and Yu
-do not print what makes a place bright, nor most parameters; readings are in docs/readings.md.
+grid map. The path is the trajectory of the robot, from the start until it is at the target. Brand and Yu do
+not print what makes a place bright, nor most parameters; readings are in docs/readings.md.
 """
 
 import math

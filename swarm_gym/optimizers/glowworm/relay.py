@@ -1,7 +1,7 @@
 """Sight between the members of a swarm of points, and shortest paths to the target over points in sight.
 
 Light is passed on: a point that does not see the target has a shortest path to it over points that see each
-other. The tests of sight take most of the time, so two points are tested only if that could make a path
+other. The tests of sight take most of the time. So two points are tested only if that could make a path
 shorter, and the result is stored.
 """
 

@@ -67,9 +67,8 @@ def circle_shifts(
 ) -> tuple[LanesOrNumber, LanesOrNumber]:
     """Return the shifts that clear circles, whose rows begin at `row`.
 
-    The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
-    of the line: at -r sin from the centre. That tangent passes r / cos above the centre, so that no root is
-    needed.
+    The top of a circle is highest above a line at an end of the overlap, or where its tangent is parallel: at
+    -r sin from the centre. That tangent passes r / cos above the centre, so that no root is needed.
     """
     from_centre = left - read(rows, row + CENTRE_Y, lane)
     begin = from_centre + rise * read(rows, row + BEGIN_SHARE, lane)
@@ -95,7 +94,7 @@ def polygon_shifts(
 ) -> tuple[LanesOrNumber, LanesOrNumber]:
     """Return the shifts that clear convex polygons, whose corners' rows begin at `row`.
 
-    The top of a polygon is concave and its bottom convex, so each differs most from a line at a corner or at
+    The top of a polygon is concave and its bottom convex. So each differs most from a line at a corner or at
     an end of the overlap.
     """
     height = left + rise * read(rows, row + CORNER_SHARE, lane)

@@ -1,7 +1,7 @@
 """Pairs of a segment of a waypoint path and an obstacle that it can touch, and their geometry.
 
 Source: SPSFA paper, section II. Waypoints are evenly spaced on the x' axis, so the x' extent of a segment
-never changes, and the pairs whose extents overlap are known beforehand.
+never changes. The pairs whose extents overlap are known beforehand.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Repair of infeasible paths: colliding segments are pushed out of obstacles, by a degree phi.
 
-Source: SPSFA paper, section III, "treatment for infeasible path": a parallel movement of the segment by
-phi times its degree of collision. The order (segments from the start, obstacles as listed, each after the
-changes of those before it) and what happens to shared waypoints are readings, see docs/readings.md.
+Source: SPSFA paper, section III, "treatment for infeasible path": a parallel movement of the segment by phi
+times its degree of collision. The order is a reading (docs/readings.md): segments from the start, obstacles
+as listed, each after the changes of earlier ones. What happens to shared waypoints is a reading, too.
 """
 
 import math
@@ -47,7 +47,7 @@ def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
     `path` is that of `cost.evaluate`; it is changed in place, but for its ends.
 
     A segment in contact moves along y' by `repair_degree` (phi in [0, 1]) times the smaller of its two
-    clearing shifts, to that side, and not out of the workspace.
+    clearing shifts. It moves to that side, and not out of the workspace.
     """
     for block in range(table.squared_spacing.shape[0] // NUM_LANES):
         left, rise, length = segments_of(table, path, block)

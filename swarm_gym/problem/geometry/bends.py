@@ -5,9 +5,9 @@ The middle path is the start-target line, or one of some planned ways, see `swar
 A bend has no zigzag, unlike a path whose components are drawn one by one. There are two kinds of modes:
 
 * `harmonics`: sin(h pi t) / h^1.5 for h = 1, 2, 3, with coefficients uniform in [-1, 1].
-* `stomp`: the six widest principal components of the noise of STOMP, whose covariance is the inverse of
-  A^T A for the matrix A of second differences (M. Kalakrishnan et al., "STOMP: stochastic trajectory
-  optimization for motion planning", ICRA 2011, section III-A), with normal coefficients.
+* `stomp`: the six widest principal components of the noise of STOMP, with normal coefficients. Its covariance
+  is the inverse of A^T A for the matrix A of second differences (M. Kalakrishnan et al., "STOMP: stochastic
+  trajectory optimization for motion planning", ICRA 2011, section III-A).
 
 In both, t in (0, 1) is the place along the line. The sum is scaled so that its largest offset is uniform in
 [0, amplitude times the width of the workspace].

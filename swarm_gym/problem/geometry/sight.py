@@ -1,8 +1,8 @@
 """Tests of straight segments on a grid map that agree with `traversal`, but are many times faster.
 
-Swarms of points test hundreds of thousands of pairs. Where all cells around a point are of one kind, free or
-blocked, a segment can be followed to the last of these cells in one jump. Only near the edges between free
-and blocked cells is it examined as in `traversal`.
+Swarms of points test hundreds of thousands of pairs. Where all cells around a point are free, or all blocked,
+a segment can be followed to the last of them in one jump. Only near the edges between free and blocked cells
+is it examined as in `traversal`.
 
 Points are finite and, as in `traversal`, (column, row) in cells.
 """

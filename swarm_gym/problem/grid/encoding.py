@@ -1,8 +1,8 @@
 """Encodings of paths on a grid map: control points, and samples of the curve that they define.
 
-Every coordinate of a control point depends on at most one component of the decision vector, and every sample
-is a weighted mean of neighbouring control points. So both encodings are a few arrays, and kernels treat
-them alike.
+Every coordinate of a control point depends on at most one component of the decision vector. Every sample is a
+weighted mean of neighbouring control points. So both encodings are a few arrays, and kernels treat them
+alike.
 
 Sources: Bezier curves, MOA paper, eq. 4 (Li et al., "A path planner based on multivariate optimization
 algorithm", Acta Electronica Sinica 44(9), 2016); waypoints, SPSFA paper, eq. 1. What the papers leave open is

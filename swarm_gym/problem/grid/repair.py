@@ -2,8 +2,8 @@
 
 This is a reading (docs/readings.md): no paper says how a curve is repaired. Each run of consecutive
 infeasible samples has a mean vector to the nearest free cells. The free control point with the largest weight
-in the run moves by phi times the vector that takes the run there, at most three times the mean one. All runs
-are found before the path changes.
+in the run moves by phi times the vector that takes the run there. It moves at most three times the mean one.
+All runs are found before the path changes.
 """
 
 import numpy as np

@@ -1,11 +1,11 @@
 """Repair of flights that are not free, by a degree phi: segments leave threats, and waypoints rise.
 
-This is a reading of the repair of the SPSFA paper, section III, where a segment in collision moves in
-parallel by phi times its degree of collision (docs/readings.md). Segments follow from the start on, each
+This is a reading of the repair of the SPSFA paper, section III (docs/readings.md). There a segment in
+collision moves in parallel by phi times its degree of collision. Segments follow from the start on, each
 after the changes of those before it:
 
-* A segment in contact with a threat moves sideways by phi times the distance that takes its line out of the
-  cylinder, to the nearer side. Offsets move across the start-goal line, spherical steps across the segment.
+* A segment in contact with a threat moves to the nearer side. It moves by phi times the distance that takes
+  its line out of the cylinder. Offsets move across the start-goal line, spherical steps across the segment.
 * Both ends of a segment below the ground rise by phi times its depth, at most to the top of the band.
 
 Start and goal stay, and so does a flight that is free.

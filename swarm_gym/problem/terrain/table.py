@@ -110,7 +110,7 @@ def tabulate(
 ) -> TerrainTable:
     """Return the problem table of a scenario.
 
-    Published code turns headings into steps (r sin phi, r cos phi) and yet bounds them around the angle of
+    Published code turns headings into steps (r sin phi, r cos phi). Yet it bounds them around the angle of
     the goal from the x axis. So phi is mirrored; the cost `metabox` takes it so, `documented` does not.
 
     Args:
