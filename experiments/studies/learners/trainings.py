@@ -1,7 +1,7 @@
 """Trainings of plain learners: the course of validation, and episodes on test seeds at the end."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,12 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from experiments.studies.controllers import CASES
-from experiments.studies.learners.recipes import NUM_SWARMS, RECIPES, Recipe
+from experiments.studies.learners.recipes import ALGORITHMS, NUM_SWARMS, RECIPES, Recipe
 from swarm_gym.files import write_atomically
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST, TRAINING_START, VALIDATION
 
-TEST_SEEDS = TEST[60_000:60_100]  # of every case; used by no other study
+TEST_SEEDS = TEST[61_000:61_100]  # of every case; used by no other study
 VALIDATION_SEEDS = VALIDATION[20_000:20_020]
 SEEDS_APART = 1_000_000  # between the first training seeds of two trainings
 VALIDATE_EVERY = 20_000  # environment steps
@@ -66,7 +66,10 @@ def training_file(folder: Path, recipe: str, steps: int, seed: int) -> Path:
 
 
 def train(name: str, seed: int, steps: int, folder: Path, report: Callable[[int], None]) -> Path:
-    """Train a recipe, and store the training and its model; a training that is stored is left as it is.
+    """Train a recipe, and store the training and its model.
+
+    A training that is stored is left as it is. If its last policy was tested on other seeds than
+    `TEST_SEEDS`, it is tested again.
 
     Args:
         name: a key of `RECIPES`.
@@ -76,10 +79,14 @@ def train(name: str, seed: int, steps: int, folder: Path, report: Callable[[int]
         report: function that is called with the number of steps so far.
     """
     file = training_file(folder, name, steps, seed)
-    if file.exists():
-        return file
     torch.set_num_threads(1)
     recipe = RECIPES[name]
+    if file.exists():
+        given = json.loads(file.read_text(encoding="utf-8"))
+        if given.get("test_seeds") == _test_seeds():
+            return file
+        last = ALGORITHMS[recipe.algorithm].load(file.with_suffix(".zip"), device="cpu")
+        return _write(file, {**given, "outcome": asdict(run(recipe, last, TEST_SEEDS))})
     first = TRAINING_START + SEEDS_APART * (seed + 1)
     model = recipe.model(recipe.swarms(NUM_SWARMS, first), seed)
     course: dict[int, float] = {}
@@ -92,7 +99,16 @@ def train(name: str, seed: int, steps: int, folder: Path, report: Callable[[int]
     file.parent.mkdir(parents=True, exist_ok=True)
     model.save(file.with_suffix(".zip"))
     done = asdict(Training(name, seed, steps, course, outcome))
-    return write_atomically(file, json.dumps({**done, "provenance": provenance("numpy", "torch")}) + "\n")
+    return _write(file, {**done, "provenance": provenance("numpy", "torch")})
+
+
+def _write(file: Path, training: Mapping[str, object]) -> Path:
+    """Write a training with the seeds that its last policy was tested on."""
+    return write_atomically(file, json.dumps({**training, "test_seeds": _test_seeds()}) + "\n")
+
+
+def _test_seeds() -> list[int]:
+    return [TEST_SEEDS.start, TEST_SEEDS.stop]
 
 
 def stored(folder: Path, recipe: str, steps: int) -> list[Training]:

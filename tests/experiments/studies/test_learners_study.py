@@ -49,6 +49,14 @@ def test_a_training_repeats_and_is_stored_once(short, tmp_path):
     assert trained(tmp_path / "a")["seed"] == 7
 
 
+def test_a_stored_training_is_tested_again_when_the_test_seeds_change(short, monkeypatch, tmp_path):
+    first = trained(tmp_path / "a")
+    monkeypatch.setattr(trainings, "TEST_SEEDS", range(60_100, 60_103))
+    again, whole = trained(tmp_path / "a"), trained(tmp_path / "b")
+    assert again["course"] == first["course"]
+    assert again["outcome"] == whole["outcome"] != first["outcome"]
+
+
 def test_episodes_are_those_that_compare_makes(short):
     """A learner that always puts out zero is 0.3 of the largest size and phi = 1/16."""
 
