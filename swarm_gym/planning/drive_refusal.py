@@ -4,13 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from swarm_gym.errors import NoPathError, SettingError, SwarmGymError, shown
-from swarm_gym.planning.curves.search import BEST_COST, BEST_NODE
+from swarm_gym.planning.curves.search import BEST_NODE, found
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_search import QUICK, DriveSearch, Driving
 from swarm_gym.planning.tasks import Task
 
-NEAR = 3.0  # turning radii; a robot that gets no farther from an end cannot leave it
+NEAR = 1.0  # turning radii; a robot that gets no farther from an end cannot leave it
 SMALLER = (0.5, 0.25, 0.125)  # turning radii that are tried, over the one that is asked for
 
 
@@ -81,26 +83,28 @@ def _possible(drive_map: DriveMap, driving: Driving, is_over: Callable[[], bool]
     if not driving.reverses:
         others.append(("reverse=True", replace(driving, reverses=True)))
     others.append((f"turning_radius {driving.radius / 2.0:g}", replace(driving, radius=driving.radius / 2.0)))
-    found = []
+    known = []
     for name, other in others:
         if is_over():
             break
-        length = _cost(drive_map, other, is_over)
+        length = _length(drive_map, other, is_over)
         if math.isfinite(length):
-            found.append(f"with {name} there is a curve of length {length:.6g}")
+            known.append(f"with {name} there is a curve of length {length:.6g}")
     shortest = drive_map.task.shortest
     if shortest is not None:
         length = shortest[0] / drive_map.task.frame.factor
-        found.append(f"without a turning radius there is a path of length {length:.6g}")
-    return "; ".join(found) if found else "nothing is known of other limits"
+        known.append(f"without a turning radius there is a path of length {length:.6g}")
+    return "; ".join(known) if known else "nothing is known of other limits"
 
 
-def _cost(drive_map: DriveMap, driving: Driving, is_over: Callable[[], bool]) -> float:
+def _length(drive_map: DriveMap, driving: Driving, is_over: Callable[[], bool]) -> float:
     """Return the length of the first curve within other limits; infinite without one."""
     plain = DriveMap(drive_map.task, driving.radius, dict.fromkeys(drive_map.weights, 0.0))
     search = DriveSearch(plain, driving, 0.0).search(QUICK, is_over)
-    known = search.counts[BEST_NODE] >= 0
-    return float(search.numbers[BEST_COST]) * plain.unit if known else math.inf
+    if search.counts[BEST_NODE] < 0:
+        return math.inf
+    _, pieces = found(search)
+    return float(np.abs(pieces[:, 1]).sum()) * plain.unit
 
 
 def _backwards(drive_map: DriveMap, driving: Driving) -> tuple[DriveMap, Driving]:

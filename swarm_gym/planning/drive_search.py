@@ -32,8 +32,8 @@ Floats = NDArray[np.float64]
 
 SLICE, TRIALS = 500, 500  # nodes or trials between two looks at the clock
 ROUNDS = 16  # slices of trials after the first curve, and after a better one
-LAST_ROUNDS = 40  # slices of trials at the end, without a limit of time
-STILL = 12  # slices of trials that gain nothing, after which improving ends
+LAST_ROUNDS = 60  # slices of trials after each further search
+STILL = 20  # slices of trials that gain nothing, after which improving ends
 GAINED = 1e-5  # share of the cost that counts as a gain
 FREE_HEADINGS = 24  # headings at a start whose heading is free
 SMALLEST_CELL, LARGEST_CELL = 0.25, 1.0  # sides of cells of positions, in steps of the lattice
@@ -61,6 +61,7 @@ class Effort(NamedTuple):
 
 FIRST = Effort(1.5, 0, 1.0, 48, 150_000, 1.5)
 SECOND = Effort(1.1, 20_000, 1.0, 72, 400_000, 1.5)
+THIRD = Effort(1.0, 100_000, 1.0, 72, 600_000, 1.5)  # where there is a limit of time
 FINER = Effort(1.5, 0, 2.0, 96, 600_000, math.inf)
 QUICK = Effort(2.0, 0, 1.0, 48, 60_000, math.inf)  # for what would be possible with other limits
 
@@ -111,20 +112,23 @@ class DriveSearch:
 
         Args:
             is_over: whether planning shall end.
-            is_timed: whether there is a limit; without one a fixed number of trials is made at the end.
+            is_timed: whether there is a limit of time; then one more search follows.
         """
         best = self._first(is_over)
         if best is None:
             return
         yield self._curve(best)
         yield from self._improved(best, ROUNDS, is_over)
-        other = self._chain(self.search(SECOND, is_over))
-        if other is not None:
-            self._shorten(other, ROUNDS, is_over)
-            if other.numbers[COST] < best.numbers[COST]:
-                best = other
-                yield self._curve(best)
-        yield from self._improved(best, LAST_ROUNDS if not is_timed else 10**9, is_over)
+        for effort in (SECOND, THIRD) if is_timed else (SECOND,):
+            if is_over():
+                return
+            other = self._chain(self.search(effort, is_over))
+            if other is not None:
+                self._shorten(other, ROUNDS, is_over)
+                if other.numbers[COST] < best.numbers[COST]:
+                    best = other
+                    yield self._curve(best)
+            yield from self._improved(best, LAST_ROUNDS, is_over)
 
     def search(self, effort: Effort, is_over: Callable[[], bool]) -> Search:
         """Return a search after it has ended."""

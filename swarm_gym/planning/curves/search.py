@@ -312,3 +312,26 @@ def found(search: Search) -> tuple[Floats, Floats]:
         pieces.append(search.pieces[node])
         node = int(search.parents[node])
     return search.poses[node].copy(), np.vstack([*pieces[::-1], search.last])
+
+
+@entry
+def cost_between(field: Field, limits: Limits, begin: Floats, end: Floats, is_checked: bool) -> float:
+    """Return the cost of the shortest curve between two poses without obstacles; for planners to compare.
+
+    Args:
+        field: obstacles and costs.
+        limits: limits and costs.
+        begin: first pose, (3,).
+        end: last pose, (3,).
+        is_checked: whether the result is infinite where the curve meets an obstacle.
+    """
+    pieces = np.zeros((3, 2))
+    connected(begin, end, limits.radius, limits.reverses, False, pieces)
+    if is_checked:
+        return cost_of(field, limits, begin, pieces, 0.0, math.inf)
+    x, y, heading = begin[0], begin[1], begin[2]
+    total = 0.0
+    for k in range(3):
+        total += piece_cost(field, limits, x, y, heading, pieces[k, 0], pieces[k, 1])
+        x, y, heading = advanced(x, y, heading, pieces[k, 0], pieces[k, 1])
+    return total
