@@ -126,14 +126,19 @@ def _parser() -> argparse.ArgumentParser:
         help="radius of the smallest circle that the robot can drive, in the map's units; the path is then "
         "a curve (default: it turns on the spot)",
     )
-    for end in ("start", "goal"):
-        parser.add_argument(
-            f"--{end}-heading",
-            type=float,
-            metavar="DEGREES",
-            help=f"heading at the {end} with a turning radius, from the x axis towards the y axis, e.g. 90 "
-            "(default: any)",
-        )
+    parser.add_argument(
+        "--start-heading",
+        type=float,
+        metavar="DEGREES",
+        help="heading at the start with a turning radius, from the x axis towards the y axis, e.g. 90 "
+        "(default: any)",
+    )
+    parser.add_argument(
+        "--goal-heading",
+        type=float,
+        metavar="DEGREES",
+        help="heading at the goal with a turning radius, in the same way (default: any)",
+    )
     parser.add_argument(
         "--reverse", action="store_true", help="the robot may drive backwards, with a turning radius"
     )

@@ -42,14 +42,14 @@ class CurvesConfig:
     tasks: int = 3
     """Number of tasks on each map; the page has 20."""
     seconds: float = 1.0
-    """Time of each planner on each task, in seconds."""
+    """CPU time of each planner on each task, in seconds."""
     seed: int = 0
     """Seed that tasks are drawn with."""
 
 
 @dataclass(frozen=True)
 class DriveRecord:
-    """What a planner found on a task.
+    """The result of a planner on a task.
 
     Attributes:
         kind: kind of the map.
@@ -106,6 +106,8 @@ def measure(tasks: Sequence[DriveTask], seconds: float, file: Path) -> list[Driv
     planners = {name: make() for name, make in DRIVE_PLANNERS.items()}
     longer = ours(WISHES)
     names = [*planners, "longer"]
+    # One task of each map after the other, so that what is there after a stop has all maps.
+    tasks = sorted(tasks, key=lambda task: task.number)
     wanted = [
         (task, name) for task in tasks for name in names if (task.kind, task.number, name) not in records
     ]
@@ -145,11 +147,11 @@ def curve_tables(records: Sequence[DriveRecord], seconds: float) -> list[Table]:
     kept = [one for one in records if (one.kind, one.task) in solvable and one.planner != "longer"]
     kinds = dict.fromkeys(one.kind for one in kept)
     caption = (
-        f"Curves for a small robot after {seconds:g} s on {len(kinds)} maps: solvable tasks; share of them "
-        "with a curve that obeys all limits, by other code at steps of a millimetre; curves that break one; "
-        "mean sum of wishes and mean length of the others, over the length of the shortest path of a robot "
-        "that turns on the spot; median least distance of the centre from obstacles, over the robot's "
-        "radius; median seconds until the first curve, and slowest 5 %"
+        f"Curves for a small robot after {seconds:g} s of CPU time on {len(kinds)} maps: solvable tasks; share "
+        "of them with a curve that obeys all limits, by other code at steps of a millimetre; curves that "
+        "break one; mean sum of wishes and mean length of the others, over the length of the shortest path "
+        "of a robot that turns on the spot; median least distance of the centre from obstacles, over the "
+        "robot's radius; median CPU seconds until the first curve, and slowest 5 %"
     )
     rows = [_row({"planner": name}, _of(kept, name)) for name in _names(kept)]
     by_map = [

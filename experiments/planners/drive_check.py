@@ -23,7 +23,7 @@ CHUNK = 256  # poses whose pieces are looked up at once
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the check found.
+    """The result of the check.
 
     Attributes:
         broken: limit that the curve breaks: "ends", "curvature", "distance"; empty if it obeys all.

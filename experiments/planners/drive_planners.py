@@ -1,7 +1,8 @@
 """Planners of driven curves that are measured: those of this project, and RRT* of OMPL in Dubins' space.
 
 OMPL asks Python whether a motion is free, and Python asks the compiled test of this project. Where the sum of
-wishes is its objective, OMPL asks Python for costs, too. What it asks counts as its time.
+wishes is its objective, OMPL asks Python for costs, too. What it asks counts as its time. All times are those
+of the processor, so that other work on the machine does not matter.
 """
 
 import math
@@ -16,12 +17,12 @@ from numpy.typing import NDArray
 from experiments.planners.all_planners import ompl_modules
 from experiments.planners.drive_check import STEP
 from experiments.planners.drive_tasks import DriveTask
-from swarm_gym.errors import ScenarioError, SettingError
-from swarm_gym.planning import Curve, Planner, plan
+from swarm_gym.planning import Curve
 from swarm_gym.planning.curves.pieces import connect
 from swarm_gym.planning.curves.search import Limits, cost_between
 from swarm_gym.planning.drive_costs import CHANGE, USUAL
 from swarm_gym.planning.drive_map import DriveMap
+from swarm_gym.planning.drive_search import DriveSearch, Driving
 from swarm_gym.planning.tasks import read_task
 
 Floats = NDArray[np.float64]
@@ -53,36 +54,23 @@ DrivePlanner = Callable[[DriveTask, float], Driven | None]
 
 
 def ours(wishes: Mapping[str, float]) -> DrivePlanner:
-    """Return this project's planner with these wishes, prepared for each map before its time begins."""
-    prepared: dict[tuple[str, float], Planner] = {}
+    """Return this project's search for curves with these wishes; a map is prepared by its first task."""
 
     def run(task: DriveTask, seconds: float) -> Driven | None:
-        key = task.kind, task.turning_radius
-        if key not in prepared:
-            grid, ends = task.scenario.map, (task.scenario.start, task.scenario.target)
-            prepared.clear()
-            prepared[key] = Planner(
-                grid, robot_radius=task.radius, turning_radius=task.turning_radius, wishes=wishes
-            )
-            plan(
-                grid, *ends, robot_radius=task.radius, turning_radius=task.turning_radius, wishes=wishes,
-                max_evaluations=1,
-            )  # fmt: skip
-        start, goal = task.headings
-        try:
-            found = prepared[key].plan(
-                task.scenario.start,
-                task.scenario.target,
-                start_heading=start,
-                goal_heading=goal,
-                max_seconds=seconds,
-            )
-        except (ScenarioError, SettingError):
+        _ = drive_map_of(task, wishes).field  # kept for the map
+        began = time.thread_time()
+        drive_map = drive_map_of(task, wishes)
+        start, goal = map(math.radians, task.headings)
+        search = DriveSearch(drive_map, Driving(task.turning_radius, False, start, goal), wishes["curvature"])
+        first, last, best = math.inf, math.inf, None
+        for curve in search.curves(lambda: time.thread_time() - began >= seconds, True):
+            last = time.thread_time() - began
+            first, best = min(first, last), curve
+        if best is None:
             return None
-        assert found.curve is not None
-        poses = found.curve.sampled(STEP)[:, :3]
+        poses = best.sampled(STEP)[:, :3]
         poses[:, 2] = np.radians(poses[:, 2])
-        return Driven(found.improvements[0].seconds, found.seconds, poses, found.curve)
+        return Driven(first, last, poses, best)
 
     return run
 
@@ -104,6 +92,9 @@ def of_ompl(wishes: Mapping[str, float]) -> DrivePlanner:
         def values(state: Any) -> Floats:
             return np.array([state.getX(), state.getY(), state.getYaw()])
 
+        def ending(at: float) -> Any:
+            return base.PlannerTerminationCondition(lambda: time.thread_time() >= at)
+
         class Motions(base.MotionValidator):  # type: ignore[name-defined]
             def checkMotion(self, state: Any, other: Any, last: Any = None) -> bool:  # noqa: ARG002, N802
                 return math.isfinite(cost_between(field, limits, values(state), values(other), True))
@@ -118,7 +109,7 @@ def of_ompl(wishes: Mapping[str, float]) -> DrivePlanner:
             def motionCostHeuristic(self, state: Any, other: Any) -> Any:  # noqa: N802
                 return base.Cost(space.distance(state, other))
 
-        began = time.perf_counter()
+        began = time.thread_time()
         space = base.DubinsStateSpace(radius)
         bounds = base.RealVectorBounds(2)
         for axis in range(2):
@@ -143,19 +134,18 @@ def of_ompl(wishes: Mapping[str, float]) -> DrivePlanner:
         objective = Sum if any(wishes.values()) else base.PathLengthOptimizationObjective
         setup.setOptimizationObjective(objective(information))
         setup.setPlanner(geometric.RRTstar(information))
-        first = math.inf
-        while (spent := time.perf_counter() - began) < (1.0 - SIMPLIFYING) * seconds:
-            setup.solve(min(SLICE, (1.0 - SIMPLIFYING) * seconds - spent) if math.isinf(first) else
-                        (1.0 - SIMPLIFYING) * seconds - spent)  # fmt: skip
+        first, solving = math.inf, (1.0 - SIMPLIFYING) * seconds
+        while (spent := time.thread_time() - began) < solving:
+            # Until there is a path, solving ends now and then, to see when the first one is there.
+            until = min(spent + SLICE, solving) if math.isinf(first) else solving
+            setup.solve(ending(began + until))
             if math.isinf(first) and setup.haveExactSolutionPath():
-                first = time.perf_counter() - began
+                first = time.thread_time() - began
         if math.isinf(first):
             return None
         path = geometric.PathGeometric(setup.getSolutionPath())
-        geometric.PathSimplifier(information).simplify(
-            path, max(seconds - (time.perf_counter() - began), 0.01)
-        )
-        spent = time.perf_counter() - began
+        geometric.PathSimplifier(information).simplify(path, ending(began + seconds))
+        spent = time.thread_time() - began
         states = list(path.getStates())
         return Driven(first, spent, *_followed(drive_map, space, states, values, task.turning_radius))
 

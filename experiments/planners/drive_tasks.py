@@ -28,7 +28,7 @@ class DriveTask:
         scenario: map, start and target.
         headings: headings at start and goal, in degrees.
         radius: radius of the robot, in map units.
-        turning_radius: its turning radius, in map units.
+        turning_radius: radius of the smallest circle that the robot drives, in map units.
         shortest: length of the exact shortest path of a robot that turns on the spot, in map units.
     """
 

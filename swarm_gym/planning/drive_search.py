@@ -68,7 +68,7 @@ QUICK = Effort(2.0, 0, 1.0, 48, 60_000, math.inf)  # for what would be possible 
 
 @dataclass(frozen=True)
 class Driving:
-    """What a robot can drive, and what it begins and ends with.
+    """Limits of a robot, and its headings at start and goal.
 
     Attributes:
         radius: least turning radius, in map units.

@@ -47,7 +47,7 @@ class Field(NamedTuple):
     reach: float
     "Distance up to which distances are exact."
     is_even: bool
-    "Whether all costs are 1."
+    "True if all costs are 1."
 
 
 @kernel(inline="late")

@@ -33,7 +33,7 @@ class Limits(NamedTuple):
     radius: float
     "Radius of the smallest turning circle."
     reverses: bool
-    "Whether the robot may drive backwards."
+    "True if the robot may drive backwards."
     bending: float
     "Cost of a unit of length on the smallest circle, besides the length; it grows with curvature squared."
     changing: float

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from helpers.ompl import require_ompl
 from swarm_gym.planning.curves.pieces import connect
 
 RADIUS = 1.7
@@ -64,7 +65,9 @@ def test_no_drawn_curve_is_shorter():
 
 
 def test_lengths_are_those_of_ompl():
-    base = pytest.importorskip("ompl.base", reason="needs the extra `planners`")
+    require_ompl()
+    from ompl import base
+
     poses, _ = drawn_poses(4000, 2)
     pieces, ratios = np.zeros((3, 2)), []
     for space, reverses in (
