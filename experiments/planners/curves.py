@@ -147,11 +147,11 @@ def curve_tables(records: Sequence[DriveRecord], seconds: float) -> list[Table]:
     kept = [one for one in records if (one.kind, one.task) in solvable and one.planner != "longer"]
     kinds = dict.fromkeys(one.kind for one in kept)
     caption = (
-        f"Curves for a small robot after {seconds:g} s of CPU time on {len(kinds)} maps: solvable tasks; share "
-        "of them with a curve that obeys all limits, by other code at steps of a millimetre; curves that "
-        "break one; mean sum of wishes and mean length of the others, over the length of the shortest path "
-        "of a robot that turns on the spot; median least distance of the centre from obstacles, over the "
-        "robot's radius; median CPU seconds until the first curve, and slowest 5 %"
+        f"Curves for a small robot after {seconds:g} s of CPU time on {len(kinds)} maps: solvable tasks; "
+        "share of them with a curve that obeys all limits, by other code at steps of a millimetre; "
+        "curves that break one; mean sum of wishes and mean length of the others, over the length of the "
+        "shortest path of a robot that turns on the spot; median least distance of the centre from "
+        "obstacles, over the robot's radius; median CPU seconds until the first curve, and slowest 5 %"
     )
     rows = [_row({"planner": name}, _of(kept, name)) for name in _names(kept)]
     by_map = [
