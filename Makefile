@@ -171,6 +171,7 @@ docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, a
 	$(BIN)/python -m experiments.planners
 	$(BIN)/python -m experiments.planners --replanning --tasks 10 --seeds 3
 	$(BIN)/python -m experiments.planners.streams
+	$(BIN)/python -m experiments.planners.curves --tasks 20
 	$(BIN)/python -m experiments.publish planners
 
 docs-known-optimum: $(INSTALLED) ## compare controllers on OneMax with the optimum, and fill docs/known-optimum.md (an hour on one core); PUBLISHED=folder of OneMax-MPDAC

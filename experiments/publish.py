@@ -19,7 +19,7 @@ from experiments.documents.front_page import FRONT_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.planners.short_tables import SHORT_TABLES
+from experiments.planners.short_tables import CURVE_TABLES, SHORT_TABLES
 from experiments.runs.database import ResultsError
 from experiments.scoring.ranking import (
     LEADERS_BLOCK,
@@ -149,6 +149,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "planners": (
         Document(Path("docs/planners.md"), "planners", "planners", blocks=SHORT_TABLES),
         Document(Path("docs/planners-tables.md"), "planners", ""),
+        Document(Path("docs/curves.md"), "planners", "", blocks=CURVE_TABLES),
     ),
     "numbers": (Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),

@@ -16,6 +16,7 @@ from typing import Any
 
 from swarm_gym.command import NumberParser, budget, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
+from swarm_gym.planning.drive_costs import USUAL
 from swarm_gym.planning.flights import command_line
 from swarm_gym.planning.flights.command_line import INVALID, NO_PATH
 from swarm_gym.planning.planner import plan
@@ -33,6 +34,7 @@ EXAMPLES = """examples:
   python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8.5,3 --robot-radius 0.2 --output path.yaml
   python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
   python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8,3 --unknown dear --wishes distance=2
+  python -m swarm_gym.plan --map case2 --turning-radius 20 --goal-heading 90 --output path.csv
   python -m swarm_gym.plan --map case2 --alternatives 3 --output paths.geojson
   python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,9,5 --output path.csv
 
@@ -74,6 +76,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 wishes=options.wishes,
                 alternatives=options.alternatives,
                 switch_margin=options.switch_margin,
+                turning_radius=options.turning_radius,
+                start_heading=options.start_heading,
+                goal_heading=options.goal_heading,
+                reverse=options.reverse,
             )
         print(_described(found))
         if options.output:
@@ -112,6 +118,29 @@ def _parser() -> argparse.ArgumentParser:
         default=0.0,
         metavar="D",
         help="distance that the robot keeps from obstacles besides, in the map's units",
+    )
+    parser.add_argument(
+        "--turning-radius",
+        type=float,
+        metavar="R",
+        help="radius of the smallest circle that the robot can drive, in the map's units; the path is then "
+        "a curve (default: it turns on the spot)",
+    )
+    parser.add_argument(
+        "--start-heading",
+        type=float,
+        metavar="DEGREES",
+        help="heading at the start with a turning radius, from the x axis towards the y axis, e.g. 90 "
+        "(default: any)",
+    )
+    parser.add_argument(
+        "--goal-heading",
+        type=float,
+        metavar="DEGREES",
+        help="heading at the goal with a turning radius, in the same way (default: any)",
+    )
+    parser.add_argument(
+        "--reverse", action="store_true", help="the robot may drive backwards, with a turning radius"
     )
     parser.add_argument(
         "--planner",
@@ -157,7 +186,9 @@ def _parser() -> argparse.ArgumentParser:
         type=_weights,
         metavar="NAME=WEIGHT,...",
         help=f"what the path shall keep low besides its length, of {', '.join(WISHES)}; e.g. distance=2 "
-        "(default: ground=1 on maps with grades, else nothing)",
+        "(default: ground=1 on maps with grades, and "
+        + ", ".join(f"{name}={weight:g}" for name, weight in USUAL.items())
+        + " with a turning radius)",
     )
     parser.add_argument(
         "--alternatives",
@@ -247,6 +278,8 @@ def _described(found: Plan) -> str:
         f"found by     {found.found_by}",
     ]
     lines += [f"{name:<12} {cost:.6g}" for name, cost in found.costs.items() if name != "length"]
+    if found.curve is not None:
+        lines.append(f"{'least radius':<12} {found.curve.least_radius:.6g}")
     if found.switched is not None:
         lines.append(f"{'corridor':<12} {'another one' if found.switched else 'that of the previous path'}")
     for number, other in enumerate(found.alternatives[1:], 2):

@@ -72,7 +72,7 @@ def of_ompl(name: str) -> Planner:
     Raises:
         MissingExtraError: if OMPL is not installed.
     """
-    base, geometric = _ompl()
+    base, geometric = ompl_modules()
 
     def plan(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
         grid = task.scenario.map
@@ -116,7 +116,7 @@ def of_ompl(name: str) -> Planner:
 
 
 @cache
-def _ompl() -> tuple[Any, Any]:
+def ompl_modules() -> tuple[Any, Any]:
     """Return OMPL's modules; it has one stream of random numbers for the whole process, seeded once."""
     try:
         from ompl import base, geometric, util

@@ -1,4 +1,7 @@
-"""The tables of docs/planners.md: the rows and columns that tell most; docs/planners-tables.md has all."""
+"""The tables of docs/planners.md and docs/curves.md: the rows and columns that tell most.
+
+docs/planners-tables.md has all.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -35,4 +38,8 @@ SHORT_TABLES: Mapping[str, Block] = {
     "planners": partial(_short, "planners", PLANNING),
     "replanning": partial(_short, "replanning", REPLANNING),
     "streams": partial(ResultsFolder.text, name="streams.md"),
+}
+# Those of docs/curves.md, and of its appendix in docs/planners-tables.md.
+CURVE_TABLES: Mapping[str, Block] = {
+    name: partial(ResultsFolder.text, name=f"{name}.md") for name in ("curves", "curves-differences")
 }

@@ -40,6 +40,7 @@ KERNEL_SOURCES = (
     "sources.py",
     "problem",
     "optimizers",
+    "planning/curves",
     "reference/a_star.py",
     "reference/any_angle.py",
     "reference/disc_arcs.py",

@@ -7,8 +7,8 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
+from swarm_gym.planning.any_run import run_of
 from swarm_gym.planning.maps import AnyMap
-from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN
@@ -39,6 +39,10 @@ def plan(
     wishes: Mapping[str, float] | None = None,
     alternatives: int = 1,
     switch_margin: float = SWITCH_MARGIN,
+    turning_radius: float | None = None,
+    start_heading: float | None = None,
+    goal_heading: float | None = None,
+    reverse: bool = False,
 ) -> Plan:
     """Return a short free path from start to goal.
 
@@ -80,16 +84,24 @@ def plan(
             that of inscribed cells, on cost maps.
         terrain: cost of ground by letter on maps of Moving AI, such as {"S": 2.0}; infinite for blocked.
         wishes: weights by name of what the path shall keep low besides its length: "ground", the cost of
-            ground, and "distance", a cost of nearness to obstacles; by default {"ground": 1.0} on graded
-            maps.
+            ground, "distance", a cost of nearness to obstacles, and "curvature" with a turning radius; by
+            default {"ground": 1.0} on graded maps, and with a turning radius
+            `swarm_gym.planning.drive_costs.USUAL`.
         alternatives: number of paths to return in `Plan.alternatives`, at most; no two lead through the same
             corridor.
         switch_margin: share of its cost by which a path in another corridor must be better than the best one
             in the corridor of `previous`; 0 takes the best path anyway.
+        turning_radius: radius of the smallest circle that the robot can drive, in map units; the result is
+            then a curve, see `Plan.curve`. None for a robot that turns on the spot.
+        start_heading: heading at the start in degrees, from the x axis of the map towards its y axis; None
+            for any.
+        goal_heading: heading at the goal in degrees; None for any.
+        reverse: whether the robot may also drive backwards.
 
     Raises:
         ScenarioError: for a map, start or goal that is invalid.
-        SettingError: for another value that is invalid, or that the map cannot have.
+        SettingError: for another value that is invalid, or that the map cannot have, and for a turning
+            radius with which the robot cannot leave start or goal.
         UnknownNameError: for a wish of another name.
         NoPathError: if there is no path, or none was found within the budget.
         MissingExtraError: if the map needs a library that is missing.
@@ -107,8 +119,12 @@ def plan(
         switch_margin,
         alternatives,
         wishes,
+        turning_radius,
+        start_heading,
+        goal_heading,
+        reverse,
     )
     grading = Grading(unknown, lethal, terrain)
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates, grading)
-    return PlanningRun(task, request, began, lambda: False).run()
+    return run_of(task, request, began, lambda: False).run()

@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
 from swarm_gym.errors import NoPathError, SettingError
+from swarm_gym.planning.any_run import run_of
+from swarm_gym.planning.drive_run import DriveRun
 from swarm_gym.planning.maps import AnyMap, read_cells
 from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
 from swarm_gym.planning.tasks import read_task
-from swarm_gym.planning.wishes import require_wishes
 from swarm_gym.reference.shortest import prepare
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Point, Scenario
 from swarm_gym.scenarios.graded_map import GradedMap, Grading
@@ -48,6 +49,8 @@ class Planner:
         terrain: Mapping[str, float] | None = None,
         wishes: Mapping[str, float] | None = None,
         switch_margin: float = SWITCH_MARGIN,
+        turning_radius: float | None = None,
+        reverse: bool = False,
     ):
         """Read the map, load the kernels and prepare the exact planner; arguments as in `swarm_gym.plan`.
 
@@ -61,11 +64,11 @@ class Planner:
         require_number("robot_radius", robot_radius, 0.0, 1e9)
         require_number("clearance", clearance, 0.0, 1e9)
         require_number("switch_margin", switch_margin, 0.0, 1.0)
-        if wishes is not None:
-            require_wishes(wishes)
         self._margin = robot_radius + clearance
         self._workspace, self._coordinates = workspace, coordinates
         self._wishes, self._switch_margin = wishes, switch_margin
+        self._turning_radius, self._reverse = turning_radius, reverse
+        Request(wishes=wishes, turning_radius=turning_radius, reverse=reverse)  # checks the values
         self._stops: set[threading.Event] = set()
         self._lock = threading.Lock()
         self._of_files = grading = Grading(unknown, lethal, terrain)
@@ -94,6 +97,8 @@ class Planner:
             coordinates=self._coordinates,
             wishes=self._wishes,
             switch_margin=self._switch_margin,
+            turning_radius=self._turning_radius,
+            reverse=self._reverse,
         )
 
     def plan(
@@ -110,6 +115,8 @@ class Planner:
         controller: str | None = None,
         max_evaluations: int | None = None,
         seed: int = 0,
+        start_heading: float | None = None,
+        goal_heading: float | None = None,
     ) -> Plan:
         """Return the best path from start to goal; other arguments are those of `swarm_gym.plan`.
 
@@ -127,6 +134,8 @@ class Planner:
             controller: name of the controller of a swarm.
             max_evaluations: evaluations after which no further episode begins.
             seed: seed of the first episode.
+            start_heading: heading at the start in degrees, with a turning radius.
+            goal_heading: heading at the goal in degrees, with a turning radius.
 
         Raises:
             ScenarioError: for a start or goal that is invalid.
@@ -146,6 +155,10 @@ class Planner:
             self._switch_margin,
             alternatives,
             self._wishes,
+            self._turning_radius,
+            start_heading,
+            goal_heading,
+            self._reverse,
         )
         if cancel is not None and not isinstance(cancel, threading.Event):
             raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
@@ -165,17 +178,19 @@ class Planner:
             for stop in self._stops:
                 stop.set()
 
-    def _begin(self, start: Point | None, goal: Point | None, request: Request, work: "_Work") -> PlanningRun:
+    def _begin(
+        self, start: Point | None, goal: Point | None, request: Request, work: "_Work"
+    ) -> PlanningRun | DriveRun:
         task = read_task(
             self._where, start, goal, self._margin, self._workspace, self._coordinates, self._grading
         )
-        return PlanningRun(task, request, work.began, work.stop.is_set)
+        return run_of(task, request, work.began, work.stop.is_set)
 
     def _prepare(self) -> None:
         """Load the kernels, and prepare the exact planner on the map."""
         where = self._where.grid if isinstance(self._where, GradedMap) else self._where
         is_on_cells = isinstance(where, GridMap | GridScenario)
-        _load_kernels(is_on_cells, self._margin > 0.0)
+        _load_kernels(is_on_cells, self._margin > 0.0, self._turning_radius is not None)
         if isinstance(where, GridMap | GridScenario):
             grid = where if isinstance(where, GridMap) else where.map
             _ = grid.components  # kept by the map
@@ -194,7 +209,7 @@ class _Work:
         self, planner: Planner, start: Point | None, goal: Point | None, request: Request, began: float
     ):
         self.began, self.stop = began, threading.Event()
-        self._run: PlanningRun | None = None
+        self._run: PlanningRun | DriveRun | None = None
         self._plan: Plan | None = None
         self._error: BaseException | None = None
         self._done = threading.Event()
@@ -248,9 +263,12 @@ def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
 
 
 @cache
-def _load_kernels(is_on_cells: bool, has_margin: bool) -> None:
+def _load_kernels(is_on_cells: bool, has_margin: bool, drives: bool) -> None:
     """Plan on a tiny map, once in a process, so that later calls find all kernels loaded."""
     task = read_task(_tiny_cells() if is_on_cells else _tiny_obstacles(), None, None, 0.4 * has_margin)
+    if drives:
+        DriveRun(task, Request(turning_radius=0.5), time.monotonic(), lambda: False).run()
+        return
     first = PlanningRun(task, Request(alternatives=2), time.monotonic(), lambda: False).run()
     other = first.alternatives[-1].path
     again = Request(previous=other, switch_margin=1.0)

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import SettingError
+from swarm_gym.planning.curve import COLUMNS
 from swarm_gym.planning.tasks import Task
 
 Floats = NDArray[np.float64]
 
+HEADS = ("x,y", ",".join(COLUMNS))  # of CSV files of polylines and of curves
 SAME = 1e-6  # how far ends may be from start and goal, as a share of the distance between these
 
 
@@ -49,6 +51,8 @@ def require_previous(path: ArrayLike, task: Task) -> Floats:
 def read_previous(file: Path) -> Floats:
     """Return the path of a CSV file with columns x and y, (k, 2), as `--output path.csv` writes it.
 
+    Further columns, those of a curve, are left out.
+
     Raises:
         SettingError: if the file is missing or has other content.
     """
@@ -56,13 +60,14 @@ def read_previous(file: Path) -> Floats:
         lines = file.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise SettingError(f"previous: {file} cannot be read: {error}") from error
-    if not lines or lines[0].strip() != "x,y":
+    if not lines or lines[0].strip() not in HEADS:
         first = lines[0] if lines else ""
         raise SettingError(f"previous: {file}, line 1: expected x,y, got {first!r:.80}")
+    columns = lines[0].count(",") + 1
     points: list[tuple[float, float]] = []
     for number, line in enumerate(lines[1:], 2):
         try:
-            x, y = map(float, line.split(","))
+            x, y = list(map(float, line.split(",", columns - 1)))[:2]
         except ValueError as error:
             raise SettingError(f"previous: {file}, line {number}: expected x,y, got {line!r:.80}") from error
         points.append((x, y))

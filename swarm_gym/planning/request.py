@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.errors import SettingError
+from swarm_gym.errors import SettingError, shown
 from swarm_gym.planning.alternatives import MOST
 from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.tasks import Task
@@ -34,6 +34,10 @@ class Request:
     switch_margin: float = SWITCH_MARGIN
     alternatives: int = 1
     wishes: Mapping[str, float] | None = None
+    turning_radius: float | None = None
+    start_heading: float | None = None
+    goal_heading: float | None = None
+    reverse: bool = False
 
     def __post_init__(self) -> None:
         require_integer("seed", self.seed, 0, 2**31)
@@ -47,6 +51,7 @@ class Request:
         require_integer("alternatives", self.alternatives, 1, MOST)
         if self.wishes is not None:
             require_wishes(self.wishes)
+        self._require_drivable()
         if self.wishes and self.names_swarm:
             raise SettingError(
                 "wishes: a swarm weighs the length alone; leave wishes out, or planner, optimizer and "
@@ -57,6 +62,35 @@ class Request:
     def names_swarm(self) -> bool:
         """True if a swarm is asked for."""
         return self.planner == "swarm" or self.optimizer is not None or self.controller is not None
+
+    def _require_drivable(self) -> None:
+        """Raise an error for a turning radius, headings or `reverse` that are invalid."""
+        for name, heading in (("start_heading", self.start_heading), ("goal_heading", self.goal_heading)):
+            if heading is not None:
+                require_number(f"{name} in degrees", heading, -360.0, 360.0)
+                self._require_radius(name, heading)
+        if not isinstance(self.reverse, bool):
+            raise SettingError(f"reverse must be True or False, got {shown(self.reverse)}")
+        if self.reverse:
+            self._require_radius("reverse", self.reverse)
+        if self.wishes and self.wishes.get("curvature"):
+            self._require_radius("wishes: weight of curvature", self.wishes["curvature"])
+        if self.turning_radius is None:
+            return
+        require_number("turning_radius", self.turning_radius, 1e-6, 1e9)
+        if self.names_swarm:
+            raise SettingError(
+                "turning_radius: swarms find polylines; leave it out, or planner, optimizer and controller"
+            )
+        if self.alternatives > 1 or self.previous is not None:
+            name = "previous" if self.previous is not None else "alternatives"
+            raise SettingError(f"{name}: curves with a turning_radius have none yet; leave one of them out")
+
+    def _require_radius(self, name: str, value: object) -> None:
+        if self.turning_radius is None:
+            raise SettingError(
+                f"{name} {shown(value)}: expected a turning_radius, too; paths without one turn on the spot"
+            )
 
     def wished(self, task: Task) -> WishedTask | None:
         """Return the task with its wishes; None if the length alone counts.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.planning.alternatives import Alternative
+from swarm_gym.planning.curve import Curve
 from swarm_gym.scenarios import MapScenario
 from swarm_gym.scenarios.formats.geographic import Projection
 
@@ -48,7 +49,7 @@ class Plan:
             the best path in another corridor is not better by the margin; "swarm"; "guide" if nothing was
             shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; "previous
             path" if nothing was shorter than that path after its repair; the last three with " and planner"
-            if pieces of the path were planned anew.
+            if pieces of the path were planned anew; "curve search" for a curve with a turning radius.
         stopped: whether Ctrl-C, a `Planner`'s time limit or its cancelling ended planning.
         improvements: the paths that were the best one in turn, the last of which is `path`.
         projection: projection from longitude and latitude to metres; None for coordinates in a plane.
@@ -72,6 +73,7 @@ class Plan:
     costs: Mapping[str, float] = field(default_factory=dict)
     switched: bool | None = None
     alternatives: tuple[Alternative, ...] = ()
+    curve: Curve | None = None
 
     @property
     def path_on_map(self) -> Floats:

@@ -5,12 +5,14 @@ cost of ground, see `swarm_gym.scenarios.graded_map`. The cost of nearness e = e
 decays with the distance d from blocked cells, as Nav2's inflation layer does. It is 1 where the path is as
 close as the margin. The decay is the margin, and `DECAY` cells at least. Both are constant within
 each cell of the map as given, with d measured from the middle of the cell.
+
+The wish `curvature` is for drivable curves alone, see `swarm_gym.planning.drive_costs`.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -20,11 +22,12 @@ from swarm_gym.checks import require_number
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.planning.tasks import Task
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.scenarios import GridScenario
+from swarm_gym.scenarios import GridMap, GridScenario
 
 Floats = NDArray[np.float64]
 
-WISHES = ("ground", "distance")
+FIELDS = ("ground", "distance")  # wishes whose integrand depends on the place alone
+WISHES = (*FIELDS, "curvature")
 DECAY = 3.0  # cells, at least, within which the cost of nearness falls to 1 / e
 MOST_CELLS = 2**22  # the search takes half a gigabyte for a million
 EDGE = 1e-9  # how far beside a border between cells a path counts as on it, in cells
@@ -73,11 +76,7 @@ class WishedTask:
                 f"wishes: expected a map of at most {MOST_CELLS:,} cells, map {shown(self.task.given.name)} "
                 f"has {cells:,}; plan on the part around start and goal, or on larger cells"
             )
-        if self.weights["ground"] > 0.0 and self.task.costs is None:
-            raise SettingError(
-                f"wishes: map {shown(self.task.given.name)} has no costs of ground; choose what grades mean "
-                "(unknown, lethal, terrain), or leave `ground` out"
-            )
+        require_ground(self.task, self.weights)
 
     @property
     def scenario(self) -> GridScenario:
@@ -88,20 +87,9 @@ class WishedTask:
     @cached_property
     def parts(self) -> dict[str, Floats]:
         """Cost of each cell of the map as given by the name of the wish, (height, width) each."""
-        from scipy import ndimage
-
         grid = self.scenario.map
         ground = np.zeros(grid.blocked.shape) if self.task.costs is None else self.task.costs
-        near = np.zeros(grid.blocked.shape)
-        if grid.blocked.any():
-            # The distance of a cell's middle from the area of a blocked cell, on a grid of half cells.
-            areas = np.zeros((2 * grid.height + 1, 2 * grid.width + 1), dtype=np.bool_)
-            areas[1::2, 1::2] = grid.blocked
-            areas = ndimage.binary_dilation(areas, np.ones((3, 3), dtype=np.bool_))
-            apart = ndimage.distance_transform_edt(~areas)[1::2, 1::2] / 2.0
-            margin = self.task.margin / grid.resolution
-            near = np.exp(-np.maximum(apart - margin, 0.0) / max(margin, DECAY))
-            near[grid.blocked] = 0.0
+        near = nearness(grid, self.task.margin)
         return {"ground": ground, "distance": near}
 
     @cached_property
@@ -111,7 +99,7 @@ class WishedTask:
         A path may touch blocked cells, which cost least.
         """
         found = np.ones(self.scenario.map.blocked.shape)
-        for name in WISHES:
+        for name in FIELDS:
             found += self.weights[name] * self.parts[name]
         return found
 
@@ -120,14 +108,46 @@ class WishedTask:
         grid = self.scenario.map
         cells = grid.to_cells(path)
         found = {"length": length_of(path)}
-        for name in WISHES:
+        for name in FIELDS:
             found[name] = integral(self.parts[name], cells) * grid.resolution
-        found["sum"] = found["length"] + math.fsum(self.weights[name] * found[name] for name in WISHES)
+        found["sum"] = found["length"] + math.fsum(self.weights[name] * found[name] for name in FIELDS)
         return found
 
     def sum_of(self, cells: Floats) -> float:
         """Return the sum of a path in cells (column, row), (k, 2), in cells."""
         return integral(self.field, cells)
+
+
+def require_ground(task: Task, weights: Mapping[str, float]) -> None:
+    """Raise an error if costs of ground have a weight on a map without them.
+
+    Raises:
+        SettingError: saying so.
+    """
+    if weights["ground"] > 0.0 and task.costs is None:
+        raise SettingError(
+            f"wishes: map {shown(task.given.name)} has no costs of ground; choose what grades mean "
+            "(unknown, lethal, terrain), or leave `ground` out"
+        )
+
+
+@lru_cache(maxsize=4)
+def nearness(grid: GridMap, margin: float) -> Floats:
+    """Return the cost of nearness of each cell, (height, width), for a margin in map units."""
+    from scipy import ndimage
+
+    near = np.zeros(grid.blocked.shape)
+    if grid.blocked.any():
+        # The distance of a cell's middle from the area of a blocked cell, on a grid of half cells.
+        areas = np.zeros((2 * grid.height + 1, 2 * grid.width + 1), dtype=np.bool_)
+        areas[1::2, 1::2] = grid.blocked
+        areas = ndimage.binary_dilation(areas, np.ones((3, 3), dtype=np.bool_))
+        apart = ndimage.distance_transform_edt(~areas)[1::2, 1::2] / 2.0
+        cells = margin / grid.resolution
+        near = np.exp(-np.maximum(apart - cells, 0.0) / max(cells, DECAY))
+        near[grid.blocked] = 0.0
+    near.setflags(write=False)
+    return near
 
 
 def integral(field: Floats, cells: Floats) -> float:

@@ -11,13 +11,20 @@ import numpy as np
 
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
+from swarm_gym.planning.curve import COLUMNS
 from swarm_gym.planning.drawing import as_png, as_svg
 from swarm_gym.planning.outputs import checked, format_of
 from swarm_gym.planning.result import Plan
 
 
 def as_csv(plan: Plan) -> str:
-    """Return lines `x,y` below a head, in the coordinates of the map's file."""
+    """Return lines `x,y` below a head, in the coordinates of the map's file.
+
+    Curves have the columns `heading` in degrees, `curvature` in 1 / map unit and `direction`, 1 or -1, too.
+    """
+    if plan.curve is not None:
+        rows = np.column_stack([plan.path, plan.curve.poses[:, 2:]]).tolist()
+        return "".join([",".join(COLUMNS) + "\n", *(",".join(map(repr, row)) + "\n" for row in rows)])
     return "".join(["x,y\n", *(f"{x!r},{y!r}\n" for x, y in plan.path.tolist())])
 
 
@@ -55,15 +62,22 @@ def _feature(plan: Plan) -> dict[str, Any]:
     if np.isfinite(plan.clearance):
         facts["clearance"] = plan.clearance
     facts |= {f"cost_{name}": cost for name, cost in plan.costs.items() if name != "length"}
+    if plan.curve is not None:
+        facts |= {"turning_radius": plan.curve.turning_radius, "changes_of_direction": plan.curve.changes}
+        facts |= {"headings": plan.curve.poses[:, 2].tolist(), "curvatures": plan.curve.poses[:, 3].tolist()}
     geometry = {"type": "LineString", "coordinates": plan.path.tolist()}
     return {"type": "Feature", "properties": facts, "geometry": geometry}
 
 
 def as_ros_path(plan: Plan) -> str:
-    """Return a message nav_msgs/Path in the frame `map`; poses look along the path."""
-    headings = np.arctan2(*np.diff(plan.path_on_map, axis=0).T[::-1])
+    """Return a message nav_msgs/Path in the frame `map`; poses look along the path, or as curves say."""
+    if plan.curve is None:
+        along = np.arctan2(*np.diff(plan.path_on_map, axis=0).T[::-1])
+        headings = np.append(along, along[-1])
+    else:
+        headings = np.radians(plan.curve.poses[:, 2])
     lines = ["header:", "  frame_id: map", "poses:"]
-    for (x, y), heading in zip(plan.path.tolist(), [*headings.tolist(), headings[-1]], strict=True):
+    for (x, y), heading in zip(plan.path.tolist(), headings.tolist(), strict=True):
         sin, cos = np.sin(heading / 2.0), np.cos(heading / 2.0)
         lines += [
             "- header:",

@@ -19,6 +19,7 @@ PAGES = {
     "docs/dynamic.md": ("docs/dynamic-tables.md",),
     "docs/optimizers.md": ("docs/optimizers-tables.md",),
     "docs/planners.md": ("docs/planners-tables.md",),
+    "docs/curves.md": ("docs/planners-tables.md",),
     "docs/scores.md": ("docs/scores-tables.md",),
     "docs/terrain.md": ("docs/terrain-tables.md",),
     "docs/bbob.md": (),

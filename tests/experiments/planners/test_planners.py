@@ -1,8 +1,6 @@
 """Planners beside the swarms: tasks, validation by shapely, tables of runs known by hand, and a small run."""
 
 import json
-import platform
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +13,7 @@ from experiments.planners.measuring import AFTER_EVENTS, ON_MAPS, PlannerRun, re
 from experiments.planners.short_tables import COLUMNS, PLANNING, REPLANNING
 from experiments.planners.tables import length_above, seconds_to_near, tables
 from experiments.planners.tasks import draw_tasks, replanning_task
+from helpers.ompl import require_ompl
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridMap, GridScenario
@@ -80,13 +79,6 @@ def test_differences_are_negative_where_the_swarm_is_shorter_and_a_miss_counts_t
     (row,) = (row for row in overall.rows if row[0] == swarm)
     assert row[2].numbers["value"] == 0.5
     assert row[3].numbers["value"] == pytest.approx(0.05)
-
-
-def require_ompl():
-    """Skip the test where OMPL is missing."""
-    if sys.version_info >= (3, 14) or platform.machine() not in ("x86_64", "AMD64"):
-        pytest.skip("needs OMPL, which has no wheel for this Python or processor")
-    pytest.importorskip("ompl", reason="needs the extra `planners`")
 
 
 def test_a_small_comparison_has_free_paths_only_and_goes_on_where_it_stopped(tmp_path):

@@ -1,0 +1,110 @@
+"""Curves that robots with a turning circle can follow, as results: pieces, and poses sampled along them."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.checks import require_number
+
+Floats = NDArray[np.float64]
+
+COLUMNS = ("x", "y", "heading", "curvature", "direction")
+SPACING = 0.05  # of the poses in `Curve.poses`, in turning radii
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve of arcs and straight lines; its curvature jumps from piece to piece, its heading does not.
+
+    Headings are degrees from the x axis of the map towards its y axis. Curvatures are positive where the
+    heading grows while the robot drives forwards.
+
+    Attributes:
+        start: x and y in map units, and heading, (3,).
+        pieces: curvature, and length, which is negative where the robot reverses, of each piece, (k, 2).
+        turning_radius: least radius that was allowed, in map units.
+    """
+
+    start: Floats
+    pieces: Floats
+    turning_radius: float
+
+    @cached_property
+    def poses(self) -> Floats:
+        """Poses along the curve with the columns `COLUMNS`, (n, 5), see `sampled`."""
+        return self.sampled(SPACING * self.turning_radius)
+
+    @property
+    def length(self) -> float:
+        """Length in map units, forwards and backwards."""
+        return float(np.abs(self.pieces[:, 1]).sum())
+
+    @property
+    def least_radius(self) -> float:
+        """Radius of the tightest arc, in map units; infinite without arcs."""
+        tightest = float(np.abs(self.pieces[:, 0]).max())
+        return 1.0 / tightest if tightest > 0.0 else math.inf
+
+    @property
+    def changes(self) -> int:
+        """Number of changes between driving forwards and backwards."""
+        return int((self.pieces[1:, 1] * self.pieces[:-1, 1] < 0.0).sum())
+
+    def bending(self) -> float:
+        """Return the integral of the square of curvature times turning radius, in map units."""
+        squares = (self.pieces[:, 0] * self.turning_radius) ** 2
+        return float((squares * np.abs(self.pieces[:, 1])).sum())
+
+    def sampled(self, spacing: float) -> Floats:
+        """Return poses along the curve with the columns `COLUMNS`, (n, 5).
+
+        Each piece begins with a pose. Curvature and direction are those of the piece behind a pose, and at
+        the end those of the last piece. The direction is 1 forwards and -1 backwards.
+
+        Args:
+            spacing: largest distance between two poses along the curve, in map units.
+
+        Raises:
+            SettingError: if the spacing is not a positive number.
+        """
+        require_number("spacing", spacing, 1e-9, 1e9)
+        curvatures, lengths = self.pieces.T
+        begins = self._begins
+        counts = np.maximum(np.ceil(np.abs(lengths) / spacing), 1.0).astype(np.int64)
+        piece = np.repeat(np.arange(len(counts)), counts)
+        step = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        along = lengths[piece] * step / counts[piece]
+        poses = _advanced(begins[piece], curvatures[piece], along)
+        poses = np.vstack([poses, begins[-1:]])
+        piece = np.append(piece, len(counts) - 1)
+        signs = np.where(lengths < 0.0, -1.0, 1.0)
+        headings = np.degrees(poses[:, 2])
+        headings -= 360.0 * np.round(headings / 360.0)
+        return np.column_stack([poses[:, :2], headings, curvatures[piece] + 0.0, signs[piece]])
+
+    @cached_property
+    def _begins(self) -> Floats:
+        """Pose at the begin of each piece and at the end, with headings in radians, (k + 1, 3)."""
+        curvatures, lengths = self.pieces.T
+        headings = math.radians(self.start[2]) + np.append(0.0, np.cumsum(curvatures * lengths))
+        origins = np.column_stack([np.zeros((len(lengths), 2)), headings[:-1]])
+        moves = _advanced(origins, curvatures, lengths)[:, :2]
+        places = self.start[:2] + np.vstack([np.zeros((1, 2)), np.cumsum(moves, axis=0)])
+        return np.column_stack([places, headings])
+
+
+def _advanced(poses: Floats, curvatures: Floats, lengths: Floats) -> Floats:
+    """Return the poses behind pieces from poses, with headings in radians, (n, 3)."""
+    half = 0.5 * curvatures * lengths
+    chords = lengths * np.sinc(half / np.pi)
+    middles = poses[:, 2] + half
+    return np.column_stack(
+        [
+            poses[:, 0] + chords * np.cos(middles),
+            poses[:, 1] + chords * np.sin(middles),
+            poses[:, 2] + 2.0 * half,
+        ]
+    )
