@@ -127,9 +127,9 @@ def expand(
 ) -> bool:
     """Expand up to so many nodes; return whether the search has ended.
 
-    It ends when nothing waits that can be better, when its arrays are full, or when a curve is known and
-    `patience` nodes were expanded since the first. `field` has the obstacles and costs; other
-    arguments are those of `begin`.
+    It ends when nothing waits that can be better, or when its arrays are full. Once a curve is known, it also
+    ends after `patience` further nodes. `field` has the obstacles and costs; other arguments are those of
+    `begin`.
     """
     counts, numbers, queue = search.counts, search.numbers, search.queue
     scratch, end = np.zeros((3, 2)), np.zeros(3)
