@@ -8,6 +8,7 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import BLINDED
+from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.optimizers import get_optimizer
 
 EVALUATIONS, ITERATIONS = 2_500, 220  # of an episode of the trainings
@@ -19,6 +20,13 @@ RECIPES = {
     ("differential-evolution", SOURCES_DECIDED): "terrain-sourced",
     ("firefly", SIZES_DECIDED): "terrain-firefly-sizes",
     ("firefly", SOURCES_DECIDED): "terrain-firefly-sourced",
+}
+# Open loops of one knot, which policies of a recipe correct, and from which its blind schedule was tuned.
+CONSTANTS = {
+    "terrain-sizes": "terrain-sizes-start",
+    "terrain-sourced": "terrain-start",
+    "terrain-firefly-sizes": "terrain-firefly-sizes-start",
+    "terrain-firefly-sourced": "terrain-firefly-start",
 }
 RULE = "spsfa-tip"
 
@@ -36,8 +44,9 @@ def blind_rows() -> list[AnyRow]:
     """Return the rows of controllers that see nothing: constants and tuned schedules."""
     found: list[AnyRow] = []
     for (optimizer, decided), recipe in RECIPES.items():
-        for kind, label in (("start", "constants"), ("tuned", "blind schedule")):
-            found.append(_trained(f"{label}, {decided}", optimizer, (f"open-loop:{recipe}-{kind}",)))
+        for label, loop in (("constants", CONSTANTS[recipe]), ("blind schedule", f"{recipe}-tuned")):
+            if loop in packaged_open_loops():
+                found.append(_trained(f"{label}, {decided}", optimizer, (f"open-loop:{loop}",)))
     return found
 
 
