@@ -32,6 +32,7 @@ from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
+from experiments.studies.terrain.tables_of_costs import IN_SHORT
 from experiments.tables.block_contents import rows_of
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick, select
@@ -122,10 +123,26 @@ STRONG_BLOCKS: Mapping[str, Block] = {
     "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
     "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
 }
+
+
+def _test_terrains(results: ResultsFolder) -> str:
+    """Return the rows of docs/terrain.md from the table over all test terrains.
+
+    Raises:
+        ValueError: if the table lacks one of the rows.
+    """
+    table = results.table("terrain/all/metabox-in-short")
+    places = {str(row[0]): place for place, row in enumerate(table.rows)}
+    names = sorted(IN_SHORT, key=lambda name: places.get(name, len(places)))
+    return pick(table, (table.columns[0],), [(name,) for name in names]).markdown()
+
+
 TERRAIN_BLOCKS: Mapping[str, Block] = {
-    "test-terrains": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
+    "test-terrains": _test_terrains,
+    "control-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-control.md"),
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
+    "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
     "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
     **{
         name: partial(ResultsFolder.text, name=f"terrain/eight/{name}.md")

@@ -68,7 +68,7 @@ class TrainConfig:
     encoding: str = "waypoints"
     """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
     cost: str = "documented"
-    """Cost of flights over terrain: documented, or metabox for the published one. Without effect elsewhere."""
+    """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"
     """Source of new members: uniform, smooth or guided. Actions that decide sources decide their shares."""
     iterations: int = 100

@@ -33,7 +33,7 @@ class TuneConfig:
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
     cost: str = "documented"
-    """Cost of flights over terrain: documented, or metabox for the published one. Without effect elsewhere."""
+    """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"
     """Source of new members: uniform, smooth or guided. The action sourced decides their shares."""
     iterations: int = 100

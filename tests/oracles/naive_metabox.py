@@ -1,4 +1,4 @@
-"""The published cost of a flight, once more: points as tuples, angles between vectors, distances of shapely."""
+"""The published cost of a flight, once more: tuples, angles between vectors, distances by shapely."""
 
 import math
 from itertools import pairwise
@@ -17,7 +17,8 @@ def cost(scenario, encoding, vector):
     Coordinates begin with 1, and posts are one metre apart.
     """
     points = [
-        (x, y, _nearest(scenario, x, y) + above, above) for x, y, above in waypoints(scenario, encoding, vector)
+        (x, y, _nearest(scenario, x, y) + above, above)
+        for x, y, above in waypoints(scenario, encoding, vector)
     ]
     steps = [np.subtract(after[:3], before[:3]) for before, after in pairwise(points)]
     length = sum(float(np.linalg.norm(step)) for step in steps)

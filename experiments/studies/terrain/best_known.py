@@ -1,7 +1,7 @@
 """The best known flights over the test terrains: a file of this study, from which excess is measured.
 
-`collect` replaces a flight by a better one of stored runs, with a note on where it comes from. A test measures
-each of these flights again with code of its own.
+`collect` replaces a flight by a better one of stored runs, with a note on where it comes from. A test
+measures each of these flights again with code of its own.
 """
 
 import json
@@ -26,9 +26,9 @@ class Flight(TypedDict):
     """A flight of small cost.
 
     Attributes:
-        cost: its cost.
-        encoding: how its vector is read.
-        vector: its decision vector.
+        cost: cost of the flight.
+        encoding: name of the encoding of the vector.
+        vector: decision vector of the flight.
         found_by: the row and the number of evaluations that found it.
         replaces: cost of the flight that it replaced, and what had found that; empty for the first one.
     """

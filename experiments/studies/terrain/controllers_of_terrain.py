@@ -44,9 +44,10 @@ def blind_rows() -> list[AnyRow]:
     """Return the rows of controllers that see nothing: constants and tuned schedules."""
     found: list[AnyRow] = []
     for (optimizer, decided), recipe in RECIPES.items():
-        for label, loop in (("constants", CONSTANTS[recipe]), ("blind schedule", f"{recipe}-tuned")):
-            if loop in packaged_open_loops():
-                found.append(_trained(f"{label}, {decided}", optimizer, (f"open-loop:{loop}",)))
+        constants = f"open-loop:{CONSTANTS[recipe]}"
+        found.append(ControlledRow(f"constants, {decided}", optimizer, "guided", (constants,)))
+        if (tuned := f"{recipe}-tuned") in packaged_open_loops():
+            found.append(_trained(f"blind schedule, {decided}", optimizer, (f"open-loop:{tuned}",)))
     return found
 
 
@@ -75,7 +76,8 @@ def controller_of(row: ControlledRow, name: str) -> Controller:
     if family == "learned":
         return make_controller(name)
     smallest = max(2, get_optimizer(row.optimizer).smallest_population)
-    return make_controller(name, SizeLimits(smallest, 200 if row.evaluations is None else LARGEST_SIZE))
+    largest = LARGEST_SIZE if family == "open-loop" else SizeLimits().largest
+    return make_controller(name, SizeLimits(smallest, largest))
 
 
 def _trained(label: str, optimizer: str, controllers: Sequence[str]) -> ControlledRow:

@@ -112,9 +112,7 @@ def _read(file: Path, identity: Mapping[str, object]) -> list[float] | None:
     return stored["costs"] if stored["asked"] == identity else None
 
 
-def _flights(
-    row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, runs: int
-) -> Flights:
+def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, runs: int) -> Flights:
     """Yield the cost and the vector of the best flight of each run."""
     if isinstance(row, PlannedRow):
         ways = flight_ways(cast(TerrainProblem, problem), 4)
@@ -123,7 +121,9 @@ def _flights(
         for seed in TEST[:runs]:
             yield best_flight(row.peer, problem, evaluations, seed)
     else:
-        controllers = row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)
+        controllers = (
+            row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)
+        )
         for name in controllers:
             yield from _episodes(row, name, terrain, cost, evaluations, runs)
 

@@ -73,7 +73,7 @@ class ControlledRow(NamedTuple):
     """A row whose population sizes, and perhaps more, a controller decides; with waypoints.
 
     Attributes:
-        label: what the controller is, in tables.
+        label: name of the kind of controller in tables.
         optimizer: name of the optimizer.
         source: name of the source of members.
         controllers: names of the controllers, one for each training seed.

@@ -60,13 +60,13 @@ def table_of_control(
                 costs, measured[rival][:, budget], asked.runs
             )
         lines.append(line)
-    named = "; ".join(f"of {row} " for row in dict.fromkeys(rivals.values())).strip()
+    named = "; ".join(f"of {row}" for row in dict.fromkeys(rivals.values()))
     caption = (
         f"Controllers with guided members after {EVALUATIONS:,} evaluations, cost `{asked.cost}`, over "
         f"{len(best)} test terrains and {asked.runs} runs of each policy. Excess over the best known flight "
         f"in per cent, mean and median. Objective: 100 times the mean logarithm of the cost, minus that "
-        f"{named}, the blind controller that is best on terrains for validation [95 % interval over policies, "
-        "terrains and runs]. Below 0 is a smaller cost"
+        f"{named}, the blind controller with the least objective on terrains for validation [95 % interval "
+        "over policies, terrains and runs]. Below 0 is a smaller cost"
     )
     return Table.of(f"{asked.cost}-control", caption, lines)
 

@@ -16,6 +16,27 @@ SHOWN = (
     "L-SHADE, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
 )  # fmt: skip
 
+# Rows that docs/terrain.md has; its appendix has all.
+IN_SHORT = (
+    "L-SHADE, learned, with sources, waypoints, guided",
+    "L-SHADE, learned, size and phi, waypoints, guided",
+    "L-SHADE, blind schedule, with sources, waypoints, guided",
+    "L-SHADE, constants, with sources, waypoints, guided",
+    "L-SHADE, constants, size and phi, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, waypoints, guided",
+    "L-SHADE, waypoints, guided",
+    "fireflies, waypoints, guided",
+    "fireflies, SPSFA-TIP, waypoints, guided",
+    "fireflies, SPSFA-TIP, waypoints, uniform",
+    "CMA-ES, waypoints, guided",
+    PLANNED,
+    "L-SHADE, waypoints, smooth",
+    "PSO, spherical, uniform",
+    "pymoo DE, waypoints",
+    "niapy L-SHADE, waypoints",
+    "cmaes CMA-ES, spherical",
+)
+
 
 def tables(
     measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, known: Floats

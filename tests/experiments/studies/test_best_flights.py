@@ -1,12 +1,12 @@
 """The best known flights of the study over terrain cost what is stored, by code of the tests' own."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from experiments.studies.terrain.best_known import FILE, best_known
-from oracles.naive_flights import worst
 from oracles.naive_metabox import cost, waypoints
 from swarm_gym.scenarios import make_scenario
 
@@ -15,7 +15,7 @@ TOUCH = 1e-6
 
 
 def check(terrain):
-    """Measure a stored flight again; if it is counted as free of the ground and threats, it is so densely."""
+    """Measure a stored flight again; one whose cost has no contact keeps away from threats, densely."""
     scenario, flight = make_scenario(terrain), KNOWN[terrain]
     assert cost(scenario, flight["encoding"], flight["vector"]) == pytest.approx(flight["cost"], rel=1e-9)
     points = waypoints(scenario, flight["encoding"], flight["vector"])
@@ -23,7 +23,7 @@ def check(terrain):
     if flight["cost"] < 1e4:  # no contact with a threat costs less than that
         distances = [
             np.hypot(*(one + s * (other - one) - threat[:2])) - threat[3]
-            for one, other in zip(level[:-1], level[1:], strict=True)
+            for one, other in pairwise(level)
             for s in np.linspace(0.0, 1.0, 200)
             for threat in scenario.threats
         ]

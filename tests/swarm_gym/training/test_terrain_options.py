@@ -53,7 +53,7 @@ def test_a_controller_keeps_the_ways_of_a_guided_environment():
     assert plain.settings.source == "smooth"
     needed = make_controller("fixed:8,smooth_share=0.5").env_options()
     assert beside_ways("uniform", needed) == needed
-    with pytest.raises(SettingError, match="'guided'.*mixed members.*first smooth share is 1"):
+    with pytest.raises(SettingError, match=r"'guided'.*mixed members.*first smooth share is 1"):
         beside_ways("guided", needed)
 
 
