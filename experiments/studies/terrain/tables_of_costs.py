@@ -16,25 +16,23 @@ SHOWN = (
     "L-SHADE, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
 )  # fmt: skip
 
-# Rows that docs/terrain.md has; its appendix has all.
+# Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
+    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
+    "CMA-ES, waypoints, guided", PLANNED, "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
+    "L-SHADE, spherical, uniform", "niapy L-SHADE, waypoints", "PSO, spherical, uniform",
+    "cmaes CMA-ES, spherical",
+)  # fmt: skip
+# Rows of its appendix, over the terrains on which controllers ran.
+BESIDE_CONTROL = (
     "L-SHADE, learned, with sources, waypoints, guided",
     "L-SHADE, learned, size and phi, waypoints, guided",
     "L-SHADE, blind schedule, with sources, waypoints, guided",
+    "L-SHADE, blind schedule, size and phi, waypoints, guided",
     "L-SHADE, constants, with sources, waypoints, guided",
     "L-SHADE, constants, size and phi, waypoints, guided",
     "L-SHADE, SPSFA-TIP, waypoints, guided",
-    "L-SHADE, waypoints, guided",
-    "fireflies, waypoints, guided",
-    "fireflies, SPSFA-TIP, waypoints, guided",
-    "fireflies, SPSFA-TIP, waypoints, uniform",
-    "CMA-ES, waypoints, guided",
-    PLANNED,
-    "L-SHADE, waypoints, smooth",
-    "PSO, spherical, uniform",
-    "pymoo DE, waypoints",
-    "niapy L-SHADE, waypoints",
-    "cmaes CMA-ES, spherical",
+    *IN_SHORT,
 )
 
 
@@ -127,4 +125,14 @@ def _by_terrain(measured: Mapping[str, Floats], terrains: Sequence[str], asked: 
 
 
 def _listed(terrains: Sequence[str]) -> str:
-    return ", ".join(terrains) if len(terrains) <= 8 else f"{terrains[0]} to {terrains[-1]}"
+    """Return the names of terrains, those with consecutive numbers as the first and the last of them."""
+    if len(terrains) <= 8:
+        return ", ".join(terrains)
+    parts: list[tuple[str, str]] = []
+    for name in terrains:
+        family, _, number = name.rpartition(":")
+        if parts and number.isdecimal() and parts[-1][1] == f"{family}:{int(number) - 1}":
+            parts[-1] = parts[-1][0], name
+        else:
+            parts.append((name, name))
+    return ", ".join(one if one == last else f"{one} to {last}" for one, last in parts)

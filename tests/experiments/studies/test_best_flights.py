@@ -30,8 +30,8 @@ def check(terrain):
         assert min(distances) >= scenario.drone_size - TOUCH
 
 
-def test_every_test_terrain_has_a_flight_with_its_origin():
-    assert list(KNOWN) == [f"terrain:test:{k}" for k in range(56)]
+def test_terrains_of_controllers_have_a_flight_with_its_origin():
+    assert list(KNOWN) == [f"terrain:test:{k}" for k in (*range(8), *range(28, 36))]
     for flight in KNOWN.values():
         assert flight["found_by"]
         assert flight["cost"] > 0.0
@@ -40,7 +40,7 @@ def test_every_test_terrain_has_a_flight_with_its_origin():
 
 
 def test_a_known_flight_costs_what_is_stored():
-    check("terrain:test:13")
+    check("terrain:test:0")
 
 
 @pytest.mark.slow

@@ -120,6 +120,14 @@ def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
 
 
+def test_captions_name_ranges_of_terrains():
+    names = [f"terrain:test:{k}" for k in (*range(8), 9, *range(28, 30))]
+    costs = np.ones((len(names), 1, 1))
+    short, _ = tables({"PSO, one": costs}, names, Asked("metabox", (100,), 1, 1), np.full(len(names), np.inf))
+    listed = "(terrain:test:0 to terrain:test:7, terrain:test:9, terrain:test:28 to terrain:test:29)"
+    assert listed in short.caption
+
+
 def test_controllers_are_compared_with_their_rival_seed_by_seed():
     shape = (4, 1, 2)
     rival = np.exp(np.random.default_rng(0).uniform(8, 9, shape))
