@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, TypedDict, cast
+from typing import TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,7 +137,7 @@ class Wrapper(Controller):
         return self._iterations
 
 
-def beside_ways(source: object, needed: Mapping[str, Any]) -> dict[str, Any]:
+def beside_ways(source: object, needed: Mapping[str, object]) -> dict[str, object]:
     """Return the options that a controller needs, in an environment with a source of new members.
 
     In a guided environment, smooth members lie beside planned ways, also those of a first population that a

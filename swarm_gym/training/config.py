@@ -168,7 +168,7 @@ class TrainConfig:
         }
 
 
-def changed_options(config: Any) -> EnvOptions:
+def changed_options(config: object) -> EnvOptions:
     """Return encoding, cost and source of a training or a tuning where they are not the defaults.
 
     Defaults are left out, since test functions have no encoding, and only flights have a cost to choose.
