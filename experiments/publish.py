@@ -5,7 +5,7 @@ commands wrote. Copies the figures that a document shows to docs/results. If any
 written. No number between the marks is typed by hand.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +33,7 @@ from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
+from experiments.studies.terrain.tables_of_costs import BESIDE_CONTROL, IN_SHORT
 from experiments.tables.block_contents import rows_of
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick, select
@@ -123,10 +124,27 @@ STRONG_BLOCKS: Mapping[str, Block] = {
     "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
     "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
 }
+
+
+def _over_terrain(name: str, rows: Sequence[str], results: ResultsFolder) -> str:
+    """Return some rows of a table over terrain, in the order of the table.
+
+    Raises:
+        ValueError: if the table lacks one of the rows.
+    """
+    table = results.table(name)
+    places = {str(row[0]): place for place, row in enumerate(table.rows)}
+    names = sorted(rows, key=lambda name: places.get(name, len(places)))
+    return pick(table, (table.columns[0],), [(name,) for name in names]).markdown()
+
+
 TERRAIN_BLOCKS: Mapping[str, Block] = {
-    "test-terrains": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
+    "test-terrains": partial(_over_terrain, "terrain/all/metabox-in-short", IN_SHORT),
+    "control-over-terrain": partial(ResultsFolder.text, name="terrain/control/metabox-control.md"),
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
+    "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
+    "controlled-swarms": partial(_over_terrain, "terrain/control/metabox-in-short", BESIDE_CONTROL),
     "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
     **{
         name: partial(ResultsFolder.text, name=f"terrain/eight/{name}.md")

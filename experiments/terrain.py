@@ -1,19 +1,25 @@
-"""Compare optimizers, encodings and sources over terrain: `python -m experiments.terrain`.
+"""Compare optimizers, encodings, sources and controllers over terrain: `python -m experiments.terrain`.
 
 Runs are kept in a folder, and a later call goes on from there. The first call makes the height maps of the
 terrains, which takes some seconds for each.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import tyro
 
 from experiments.documents.digests import digests_of_terrain
 from experiments.documents.records import commits_in, record_of, write_record
-from experiments.studies.terrain.measured_costs import Asked, measure_all
-from experiments.studies.terrain.rows import rows
+from experiments.studies.terrain.best_known import collect, least_costs
+from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, rows
+from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
+from experiments.studies.terrain.rows import AnyRow, ControlledRow
+from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
+from experiments.tables import Table
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
 from swarm_gym.problem.terrain.table import COSTS
@@ -28,14 +34,22 @@ class TerrainConfig:
     """Folder that tables are written to; its folder `runs` keeps the costs of all runs."""
     terrains: tuple[str, ...] = ("terrain:test:0-55",)
     """Names of terrains or ranges of them, e.g. terrain:test:0-3 terrain:test:28-31."""
+    validation: str = "terrain:validation:0-23"
+    """Terrains on which the best blind controller is chosen, a name with a range."""
     cost: str = "metabox"
     """Cost of flights: metabox, the published one, or documented."""
     evaluations: tuple[int, ...] = (2_500, 20_000)
     """Evaluation budgets; tables are ordered by the first."""
     runs: int = 5
-    """Number of runs of each row on each terrain."""
+    """Number of runs of each row on each terrain, for each policy."""
+    peer_runs: int = 5
+    """Number of runs of each row of another library on each terrain."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. L-SHADE guided; by default all rows."""
+    without: tuple[str, ...] = ()
+    """Parts of the names of rows to leave out, e.g. learned."""
+    keep_best: bool = False
+    """Replace best known flights by better ones of these runs, in the file of the study."""
 
 
 def write(config: TerrainConfig) -> list[Path]:
@@ -47,22 +61,54 @@ def write(config: TerrainConfig) -> list[Path]:
         ValueError: if no row has such a name.
     """
     require_integer("runs", config.runs, 1)
+    require_integer("peer_runs", config.peer_runs, 1)
     look_up("cost", config.cost, COSTS)
     for evaluations in config.evaluations:
         require_integer("evaluations", evaluations, 100)
-    chosen = [row for row in rows() if not config.rows or any(part in row.name for part in config.rows)]
-    if not chosen:
-        names = "; ".join(row.name for row in rows())
-        raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
+    chosen = _chosen(config)
     terrains = [name for given in config.terrains for name in expand_name(given)]
-    asked = Asked(config.cost, tuple(config.evaluations), config.runs)
+    asked = Asked(config.cost, tuple(config.evaluations), config.runs, config.peer_runs)
     measured = measure_all(chosen, terrains, asked, config.output / "runs")
-    made = tables(measured, terrains, asked)
+    if config.keep_best:
+        collect(config.output / "runs", terrains)
+    known = least_costs(config.cost, terrains)
+    made = [*tables(measured, terrains, asked, known), *_control(config, chosen, measured, asked, known)]
     commits = commits_in((config.output / "runs").glob("*.json"))
     write_record(record_of(f"terrain-{config.output.name}", commits, digests_of_terrain()), config.output)
     for table in made:
         table.write(config.output)
     return [config.output / f"{table.name}.md" for table in made]
+
+
+def _chosen(config: TerrainConfig) -> list[AnyRow]:
+    every = rows()
+    wanted = [row for row in every if not config.rows or any(part in row.name for part in config.rows)]
+    chosen = [row for row in wanted if not any(part in row.name for part in config.without)]
+    if not chosen:
+        names = "; ".join(row.name for row in every)
+        raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
+    return chosen
+
+
+def _control(
+    config: TerrainConfig,
+    chosen: Sequence[AnyRow],
+    measured: dict[str, Floats],
+    asked: Asked,
+    known: Floats,
+) -> list[Table]:
+    """Return the table of controllers, if there are any and their flights have a measure."""
+    controlled = [row for row in chosen if isinstance(row, ControlledRow) and row.source == "guided"]
+    blind = [row for row in controlled if "learned" not in row.label]
+    if EVALUATIONS not in asked.evaluations or len(controlled) == len(blind) or np.isinf(known).any():
+        return []
+    asked_once = Asked(asked.cost, (EVALUATIONS,), asked.runs, asked.peer_runs)
+    found = measure_all(blind, expand_name(config.validation), asked_once, config.output / "runs")
+    rivals = {}
+    for optimizer in dict.fromkeys(row.optimizer for row in controlled):
+        names = [row.name for row in blind if row.optimizer == optimizer]
+        rivals[optimizer] = min(names, key=lambda name: objective(found[name]))
+    return [table_of_control(controlled, measured, rivals, asked, known)]
 
 
 def main() -> None:

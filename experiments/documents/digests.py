@@ -110,16 +110,24 @@ def digests_of_strong() -> dict[str, str]:
 
 
 def digests_of_terrain() -> dict[str, str]:
-    """Return the digests of the swarms over terrain, by the rows of their table: row, size, results."""
-    # Imported here: rows of other libraries need these.
-    from experiments.studies.terrain.rows import SIZES, Row, rows
+    """Return the digests of the swarms over terrain, by the rows of their table.
 
-    swarms = [row for row in rows() if isinstance(row, Row)]
+    A digest is taken over the row, its size or the identities of its controllers, and the optimizer's results.
+    """
+    # Imported here: rows of other libraries need these.
+    from experiments.studies.terrain.controllers_of_terrain import controller_of, rows
+    from experiments.studies.terrain.rows import SIZES, ControlledRow, Row
+
+    swarms = [row for row in rows() if isinstance(row, Row | ControlledRow)]
     results = digests_of_results(row.optimizer for row in swarms)
-    return {
-        row.name: digest([list(row), SIZES[row.optimizer], results[results_key(row.optimizer)]])
-        for row in swarms
-    }
+    found = {}
+    for row in swarms:
+        if isinstance(row, Row):
+            deciding: object = SIZES[row.optimizer]
+        else:
+            deciding = [controller_of(row, name).identity() for name in row.controllers]
+        found[row.name] = digest([list(row), deciding, results[results_key(row.optimizer)]])
+    return found
 
 
 def digests_of_one_max() -> dict[str, str]:

@@ -1,14 +1,16 @@
 """The interface of controllers, which map observations of swarms to population sizes and repair degrees."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.size_limits import SizeLimits
+from swarm_gym.errors import SettingError
 from swarm_gym.observation import ITERATION
-from swarm_gym.sources import Source
+from swarm_gym.sources import GUIDED, SMOOTH, Source
 
 Floats = NDArray[np.float64]
 
@@ -133,6 +135,29 @@ class Wrapper(Controller):
         begins = observations[:, ITERATION] == 0
         self._iterations = np.where(begins, 0, self._iterations + 1)
         return self._iterations
+
+
+def beside_ways(source: object, needed: Mapping[str, object]) -> dict[str, object]:
+    """Return the options that a controller needs, in an environment with a source of new members.
+
+    In a guided environment, smooth members lie beside planned ways, also those of a first population that a
+    controller asks for.
+
+    Args:
+        source: source of the environment, a name in `swarm_gym.sources.SOURCES`.
+        needed: options that the controller needs.
+
+    Raises:
+        SettingError: if the controller asks for uniform members in a guided environment.
+    """
+    if source != GUIDED or "source" not in needed:
+        return dict(needed)
+    if needed["source"] != SMOOTH:
+        raise SettingError(
+            f"source {GUIDED!r}: the controller begins with {needed['source']} members; choose another "
+            "source, or a controller whose first smooth share is 1"
+        )
+    return {**needed, "source": GUIDED}
 
 
 def require_fitting(controller: Controller, max_evaluations: int | None) -> None:

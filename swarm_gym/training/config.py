@@ -33,6 +33,8 @@ class EnvOptions(TypedDict, total=False):
     """Options of the environments of a training, as `SwarmEnv` has them."""
 
     encoding: str
+    cost: str
+    source: str
     iterations: int
     min_population_size: int
     max_population_size: int
@@ -65,6 +67,10 @@ class TrainConfig:
     """Scenarios that episodes draw from, e.g. case1 case2 or random-fields:train:0-511."""
     encoding: str = "waypoints"
     """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
+    cost: str = "documented"
+    """Cost of flights over terrain: documented, or metabox for the published one."""
+    source: str = "uniform"
+    """Source of new members: uniform, smooth or guided. Actions that decide sources decide their shares."""
     iterations: int = 100
     """Length of an episode in iterations of the optimizer."""
     num_swarms: int = 64
@@ -151,10 +157,8 @@ class TrainConfig:
 
     def env_options(self) -> EnvOptions:
         """Return the options of the environments, for training and validation."""
-        # Test functions have no encoding, so the default is left out.
-        encoding: EnvOptions = {} if self.encoding == TrainConfig.encoding else {"encoding": self.encoding}
         return {
-            **encoding,
+            **changed_options(self),
             "iterations": self.iterations,
             "min_population_size": self.min_population_size,
             "max_population_size": self.max_population_size,
@@ -162,6 +166,16 @@ class TrainConfig:
             "price": self.price[0] if len(self.price) == 1 else self.price,
             "max_evaluations": self.max_evaluations or None,
         }
+
+
+def changed_options(config: object) -> EnvOptions:
+    """Return encoding, cost and source of a training or a tuning where they are not the defaults.
+
+    Defaults are left out, since test functions have no encoding, and only flights have a cost to choose.
+    """
+    names = [name for name in ("encoding", "cost", "source") if hasattr(config, name)]
+    given = {name: getattr(config, name) for name in names}
+    return cast(EnvOptions, {n: value for n, value in given.items() if value != getattr(TrainConfig, n)})
 
 
 # Names of the options that a training has with any algorithm.

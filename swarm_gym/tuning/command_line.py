@@ -28,6 +28,8 @@ FROM_PRESET = (
     "total_steps",
     "optimizer",
     "scenarios",
+    "cost",
+    "source",
     "min_population_size",
     "max_population_size",
 )

@@ -32,6 +32,14 @@ class TuneConfig:
     """Optimizer that the controller controls, e.g. firefly or fish-swarm."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
+    cost: str = "documented"
+    """Cost of flights over terrain: documented, or metabox for the published one."""
+    source: str = "uniform"
+    """Source of new members: uniform, smooth or guided. The action sourced decides their shares."""
+    iterations: int = 100
+    """Length of an episode in iterations of the optimizer."""
+    max_evaluations: int = 0
+    """Evaluation budget of an episode; 0 is no budget."""
     min_population_size: int = 2
     """Smallest population size that the controller can choose."""
     max_population_size: int = 200

@@ -21,7 +21,6 @@ from swarm_gym.controllers.parameters import Number, Range, parse_parameters
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.settings import Settings
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 from swarm_gym.tuning.config import TuneConfig
 
@@ -110,7 +109,7 @@ class KnotSpace:
         smallest, largest = config.limits.smallest, config.limits.largest
         require_integer("initial_population_size", config.initial_population_size, smallest, largest)
         first_source = Source(config.initial_smooth_share, config.initial_amplitude)
-        self._knots = _checked_knots(config.knots)
+        self._knots = _checked_knots(config.knots, config.iterations)
         self._optimizer = get_optimizer(config.optimizer)
         self._axes = _axes_of(config.action, config.limits, self._optimizer)
         self._first_axes = {}
@@ -133,7 +132,7 @@ class KnotSpace:
         known = self._known()
         rows = []
         for name, axis in self._searched(self._axes).items():
-            places = axis.encode(known.get(name, np.full(Settings.iterations, axis.default)))
+            places = axis.encode(known.get(name, np.full(self.config.iterations, axis.default)))
             rows.append(places[self._knots] if len(self._knots) > 1 else [places.mean()])
         first = self._searched(self._first_axes).values()
         rows.append([float(axis.encode(np.array(axis.default))) for axis in first])
@@ -154,7 +153,7 @@ class KnotSpace:
     def _known(self) -> dict[str, Floats]:
         """Return where the search starts: decisions at every iteration, by name."""
         if self._start_loop is None:
-            iterations = np.arange(Settings.iterations)
+            iterations = np.arange(self.config.iterations)
             return {
                 name: axis.decode(np.interp(iterations, START_ITERATIONS, axis.encode(np.array(values))))
                 for name, values in START[self.config.action].items()
@@ -168,7 +167,7 @@ class KnotSpace:
                 f"start {self.config.start!r} decides {', '.join(unknown)}, but the parameters of optimizer "
                 f"{self._optimizer.name!r} are {', '.join(parameters)}; choose an open loop for it"
             )
-        rows = np.minimum(np.arange(Settings.iterations), len(controller.decisions) - 1)
+        rows = np.minimum(np.arange(self.config.iterations), len(controller.decisions) - 1)
         return dict(zip(controller.names, controller.decisions[rows].T, strict=True))
 
     def decode(self, point: Floats) -> Knots:
@@ -236,9 +235,9 @@ def _refuse_first_source(config: TuneConfig) -> None:
             raise SettingError(f"{name} needs action 'sourced', got {given!r} with action {config.action!r}")
 
 
-def _checked_knots(knots: tuple[int, ...]) -> list[int]:
+def _checked_knots(knots: tuple[int, ...], iterations: int) -> list[int]:
     for knot in knots:
-        require_integer("knots", knot, 0, Settings.iterations - 1)
+        require_integer("knots", knot, 0, iterations - 1)
     if not knots or knots[0] != 0 or (np.diff(knots) <= 0).any():
         raise SettingError(f"knots must begin with 0 and increase, got {knots}")
     return list(knots)

@@ -14,6 +14,7 @@ from swarm_gym.controllers.controller import Controller
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import LARGEST_DETOUR, offline_weight
 from swarm_gym.simulation import Simulation
+from swarm_gym.training.config import changed_options
 from swarm_gym.tuning.config import TuneConfig
 
 Floats = NDArray[np.float64]
@@ -105,6 +106,9 @@ class SideBySide:
             min_population_size=config.min_population_size,
             max_population_size=config.max_population_size,
             initial_population_size=config.limits.clip(config.initial_population_size),
+            iterations=config.iterations,
+            max_evaluations=config.max_evaluations or None,
+            **changed_options(config),
             autoreset_mode=AutoresetMode.DISABLED,
             num_threads=config.threads,
         )

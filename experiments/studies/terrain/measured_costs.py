@@ -1,27 +1,33 @@
 """Costs of the best flights of this study's rows, in files that a later call goes on from."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from experiments.studies.terrain.peers import best_cost
-from experiments.studies.terrain.rows import PLANNED, SIZES, AnyRow, PeerRow, Row
+from experiments.studies.terrain.controllers_of_terrain import controller_of
+from experiments.studies.terrain.peers import best_flight
+from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, PeerRow, PlannedRow, Row
 from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
-from swarm_gym.problem import TerrainProblem
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.problem import Problem, TerrainProblem
 from swarm_gym.reference.flight_ways import flight_ways
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.simulation import Simulation
 from swarm_gym.worlds import make_problem
 
 Floats = NDArray[np.float64]
+Flights = Iterator[tuple[float, Floats]]  # costs of runs, and the vectors of their best flights
 
 
 class Asked(NamedTuple):
@@ -30,40 +36,52 @@ class Asked(NamedTuple):
     Attributes:
         cost: name of the cost.
         evaluations: evaluation budgets, each of which has runs of its own.
-        runs: number of runs.
+        runs: number of runs of a row, for each training seed.
+        peer_runs: number of runs of a row of another library.
     """
 
     cost: str
     evaluations: tuple[int, ...]
     runs: int
+    peer_runs: int
 
 
 def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
-    """Return the best costs, (budgets, runs), of a row on a terrain; known ones are read from the folder."""
+    """Return the best costs, (budgets, runs), of a row on a terrain; known ones are read from the folder.
+
+    Costs of a budget that the row is not for are NaN. A file has the flight of the least cost, too.
+    """
     scenario = make_scenario(terrain)
-    problem = make_problem(scenario, encoding=row.encoding, cost=asked.cost)
-    identity = {"row": list(row), "runs": asked.runs, "problem": repr(problem.identity)}
-    found = []
+    encoding = row.encoding if isinstance(row, Row | PeerRow) else "waypoints"
+    problem = make_problem(scenario, encoding=encoding, cost=asked.cost)
+    runs = {PeerRow: asked.peer_runs, PlannedRow: 1}.get(type(row), asked.runs)
+    found: list[list[float]] = []
     for evaluations in asked.evaluations:
-        parts = (terrain.replace(":", "-"), asked.cost, *row, str(evaluations), f"{asked.runs}.json")
-        name = "-".join(parts).replace(" ", "-")
-        stored = _read(folder / name, identity)
-        if stored is None:
-            if isinstance(row, PeerRow):
-                stored = [best_cost(row.peer, problem, evaluations, seed) for seed in TEST[: asked.runs]]
-            else:
-                stored = _run(row, terrain, asked, evaluations)
-            content = {"asked": identity, "costs": stored, "provenance": provenance()}
+        if isinstance(row, ControlledRow) and row.evaluations not in (None, evaluations):
+            found.append([np.nan] * runs * len(row.controllers))
+            continue
+        identity = _identity(row, runs, problem)
+        parts = (terrain.replace(":", "-"), asked.cost, row.name, str(evaluations), f"{runs}.json")
+        file = folder / "-".join(parts).replace(", ", "-").replace(" ", "-")
+        costs = _read(file, identity)
+        if costs is None:
+            costs, best = [], (np.inf, np.zeros(0))
+            for one in _flights(row, problem, terrain, asked.cost, evaluations, runs):
+                costs.append(one[0])
+                best = min(best, one, key=lambda flight: flight[0])
+            flight = {"encoding": encoding, "vector": best[1].tolist()}
+            content = {"terrain": terrain, "cost": asked.cost, "row": row.name, "evaluations": evaluations}
             folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(folder / name, json.dumps(content) + "\n")
-        found.append(stored)
+            found_now = {"costs": costs, "flight": flight, "provenance": provenance()}
+            write_atomically(file, json.dumps({"asked": identity, **content, **found_now}) + "\n")
+        found.append(costs)
     return np.array(found)
 
 
 def measure_all(
     chosen: Iterable[AnyRow], terrains: Sequence[str], asked: Asked, folder: Path
 ) -> dict[str, Floats]:
-    """Return the best costs, (terrains, budgets, runs), of all rows by name, planned flights among them.
+    """Return the best costs, (terrains, budgets, runs), of all rows by name.
 
     The maps are made once for all rows: one terrain follows the other.
     """
@@ -72,15 +90,20 @@ def measure_all(
     for terrain in tqdm(terrains, desc="terrains", unit="terrain"):
         for row in every:
             found.setdefault(row.name, []).append(measure(row, terrain, asked, folder))
-        planned = np.full((len(asked.evaluations), asked.runs), planned_cost(terrain, asked.cost))
-        found.setdefault(PLANNED, []).append(planned)
     return {name: np.stack(parts) for name, parts in found.items()}
 
 
-def planned_cost(terrain: str, cost: str) -> float:
-    """Return the cost of the best planned flight, which no swarm has improved."""
-    problem = cast(TerrainProblem, make_problem(make_scenario(terrain), cost=cost))
-    return min(problem.evaluate(flight)[0] for flight in flight_ways(problem, 4))
+def _identity(row: AnyRow, runs: int, problem: Problem) -> dict[str, object]:
+    whole: dict[str, object] = {"row": row.name, "runs": runs, "problem": repr(problem.identity)}
+    if isinstance(row, ControlledRow):
+        whole["iterations"] = row.iterations
+        whole["controllers"] = repr([_controller(row, name).identity() for name in row.controllers])
+    return whole
+
+
+@cache
+def _controller(row: ControlledRow, name: str) -> Controller:
+    return controller_of(row, name)
 
 
 def _read(file: Path, identity: Mapping[str, object]) -> list[float] | None:
@@ -90,17 +113,51 @@ def _read(file: Path, identity: Mapping[str, object]) -> list[float] | None:
     return stored["costs"] if stored["asked"] == identity else None
 
 
-def _run(row: Row, terrain: str, asked: Asked, evaluations: int) -> list[float]:
-    size = SIZES[row.optimizer]
-    episodes = run_episodes(
-        make_controller(f"fixed:{size}"),
+def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, runs: int) -> Flights:
+    """Yield the cost and the vector of the best flight of each run."""
+    if isinstance(row, PlannedRow):
+        ways = flight_ways(cast(TerrainProblem, problem), 4)
+        yield min(((problem.evaluate(way)[0], way) for way in ways), key=lambda flight: flight[0])
+    elif isinstance(row, PeerRow):
+        for seed in TEST[:runs]:
+            yield best_flight(row.peer, problem, evaluations, seed)
+    else:
+        controllers = (
+            row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)
+        )
+        for name in controllers:
+            yield from _episodes(row, name, terrain, cost, evaluations, runs)
+
+
+def _episodes(
+    row: Row | ControlledRow, name: str, terrain: str, cost: str, evaluations: int, runs: int
+) -> Flights:
+    """Yield the flights of the runs of one controller, side by side."""
+    controlled = isinstance(row, ControlledRow)
+    ended: list[Any] = []
+
+    def look(simulation: Simulation) -> None:
+        ended[:] = [simulation.swarms.best_fitness, simulation.swarms.best_position, simulation.dimension]
+
+    run_episodes(
+        _controller(row, name) if controlled else make_controller(name),
         terrain,
-        TEST[: asked.runs],
+        TEST[:runs],
         row.optimizer,
-        encoding=row.encoding,
-        cost=asked.cost,
+        look,
+        **_options(row, evaluations),
+        cost=cost,
         source=row.source,
-        iterations=evaluations,
         max_evaluations=evaluations,
     )
-    return episodes.final_fitness.tolist()
+    costs, places, dimension = ended
+    for value, place in zip(costs.tolist(), places, strict=True):
+        yield value, place[:dimension].copy()
+
+
+def _options(row: Row | ControlledRow, evaluations: int) -> dict[str, Any]:
+    """Return further options of the environments of a row."""
+    if isinstance(row, Row):
+        return {"encoding": row.encoding, "iterations": evaluations}
+    smallest = get_optimizer(row.optimizer).smallest_population
+    return {"iterations": row.iterations or evaluations, "min_population_size": max(2, smallest)}

@@ -34,6 +34,12 @@ class Counted:
     Args:
         problem: problem of a flight.
         evaluations: number of calls that count.
+
+    Attributes:
+        dimension: length of a vector.
+        left: number of calls that still count.
+        best: least cost so far.
+        vector: decision vector of that cost, within the bounds of the problem.
     """
 
     def __init__(self, problem: Problem, evaluations: int):
@@ -42,14 +48,17 @@ class Counted:
         self.dimension = problem.dimension
         self.left = evaluations
         self.best = np.inf
+        self.vector = np.zeros(0)
 
     def __call__(self, shares: Floats) -> float:
         """Return the cost of a vector of shares of the ranges."""
         inside = np.clip(np.asarray(shares, dtype=np.float64), 0.0, 1.0)
-        cost, _ = self._problem.evaluate(self._lower + inside * (self._upper - self._lower))
+        vector = self._lower + inside * (self._upper - self._lower)
+        cost, _ = self._problem.evaluate(vector)
         if self.left > 0:
             self.left -= 1
-            self.best = min(self.best, cost)
+            if cost < self.best:
+                self.best, self.vector = cost, vector
         return cost
 
 
@@ -102,8 +111,8 @@ PEERS: Mapping[str, Callable[[Counted, int], None]] = {
 }
 
 
-def best_cost(peer: str, problem: Problem, evaluations: int, seed: int) -> float:
-    """Return the best cost that a peer finds.
+def best_flight(peer: str, problem: Problem, evaluations: int, seed: int) -> tuple[float, Floats]:
+    """Return the least cost that a peer finds, and the vector of that flight.
 
     Args:
         peer: a key of `PEERS`.
@@ -113,4 +122,4 @@ def best_cost(peer: str, problem: Problem, evaluations: int, seed: int) -> float
     """
     cost = Counted(problem, evaluations)
     PEERS[peer](cost, seed)
-    return float(cost.best)
+    return float(cost.best), cost.vector

@@ -5,12 +5,13 @@ from typing import NamedTuple
 from experiments.studies.terrain.peers import PEERS
 
 # Population sizes, as published where papers have one; CMA-ES has its default for 20 components.
-SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20}
+SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20, "multivariate": 20}
 NAMES = {
     "particle-swarm": "PSO",
     "differential-evolution": "L-SHADE",
     "cma-es": "CMA-ES",
     "firefly": "fireflies",
+    "multivariate": "multivariate",
 }
 # The first is that of published code, whose particle swarm is called SPSO.
 VECTORS = (
@@ -58,10 +59,49 @@ class PeerRow(NamedTuple):
         return f"{self.peer}, {self.encoding}"
 
 
-AnyRow = Row | PeerRow
+class PlannedRow(NamedTuple):
+    """The planned flight alone, which no swarm improves.
+
+    Attributes:
+        name: name of the row in tables.
+    """
+
+    name: str = PLANNED
 
 
-def rows() -> list[AnyRow]:
-    """Return the rows of swarms, of constant size, and then those of other libraries."""
-    swarms = [Row(optimizer, *vectors) for optimizer in SIZES for vectors in VECTORS]
-    return [*swarms, *(PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in PEERS)]
+class ControlledRow(NamedTuple):
+    """A row whose population sizes, and perhaps more, a controller decides; with waypoints.
+
+    Attributes:
+        label: name of the kind of controller in tables.
+        optimizer: name of the optimizer.
+        source: name of the source of members.
+        controllers: names of the controllers, one for each training seed.
+        iterations: most iterations of an episode; None is as many as evaluations.
+        evaluations: the only budget that the controllers are for; None is any.
+    """
+
+    label: str
+    optimizer: str
+    source: str
+    controllers: tuple[str, ...]
+    iterations: int | None = None
+    evaluations: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the row in tables."""
+        return f"{NAMES[self.optimizer]}, {self.label}, waypoints, {self.source}"
+
+
+AnyRow = Row | PeerRow | PlannedRow | ControlledRow
+
+
+def swarm_rows() -> list[AnyRow]:
+    """Return the rows of swarms of constant size."""
+    return [Row(optimizer, *vectors) for optimizer in SIZES for vectors in VECTORS]
+
+
+def peer_rows() -> list[AnyRow]:
+    """Return the rows of other libraries."""
+    return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in PEERS]

@@ -13,38 +13,69 @@ from experiments.tables.cell import MISSING, Entry, number
 # Rows that have a column in the table by terrain, where they are there.
 SHOWN = (
     "PSO, spherical, uniform", "L-SHADE, spherical, uniform", "L-SHADE, waypoints, smooth",
-    "L-SHADE, waypoints, guided", "CMA-ES, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
+    "L-SHADE, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
 )  # fmt: skip
 
+# Rows of docs/terrain.md, over all test terrains; its appendix has all.
+IN_SHORT = (
+    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
+    "CMA-ES, waypoints, guided", PLANNED, "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
+    "L-SHADE, spherical, uniform", "niapy L-SHADE, waypoints", "PSO, spherical, uniform",
+    "cmaes CMA-ES, spherical",
+)  # fmt: skip
+# Rows of its appendix, over the terrains on which controllers ran.
+BESIDE_CONTROL = (
+    "L-SHADE, learned, with sources, waypoints, guided",
+    "L-SHADE, learned, size and phi, waypoints, guided",
+    "L-SHADE, blind schedule, with sources, waypoints, guided",
+    "L-SHADE, blind schedule, size and phi, waypoints, guided",
+    "L-SHADE, constants, with sources, waypoints, guided",
+    "L-SHADE, constants, size and phi, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, waypoints, guided",
+    *IN_SHORT,
+)
 
-def tables(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked) -> list[Table]:
+
+def tables(
+    measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, known: Floats
+) -> list[Table]:
     """Return all tables.
 
     Args:
-        measured: best costs, (terrains, budgets, runs), by the name of the row.
+        measured: best costs, (terrains, budgets, runs), by the name of the row; NaN for a budget that a row
+            is not for.
         terrains: names of the terrains.
         asked: runs of each row.
+        known: (terrains,) costs of the best known flights; infinite where none is known.
     """
-    best = np.min([costs.min(axis=(1, 2)) for costs in measured.values()], axis=0)
+    measured = {name: costs for name, costs in measured.items() if not np.isnan(costs).all()}
+    found = np.min([np.nanmin(costs, axis=(1, 2)) for costs in measured.values()], axis=0)
+    best = np.minimum(found, known)
     return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
+
+
+def excess_of(costs: Floats, best: Floats) -> Floats:
+    """Return how far costs, (terrains, ...), are above the best ones, (terrains,), in per cent of these."""
+    return 100.0 * (costs / best.reshape(-1, *(1,) * (costs.ndim - 1)) - 1.0)
 
 
 def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, best: Floats) -> Table:
     found: list[tuple[float, dict[str, Entry]]] = []
     peer = _best_peer(measured, best)
     for name, costs in measured.items():
-        excess = costs / best[:, None, None] - 1.0  # (terrains, budgets, runs)
+        excess = excess_of(costs, best)  # (terrains, budgets, runs)
         row: dict[str, Entry] = {"optimizer, encoding, source": name}
         for k, evaluations in enumerate(asked.evaluations):
-            row[f"mean excess, {evaluations:,}"] = number(100.0 * excess[:, k].mean(), ".0f")
-            row[f"median, {evaluations:,}"] = number(100.0 * np.median(excess[:, k]), ".0f")
+            row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".0f")
+            row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".0f")
         row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
         row["below the best peer"] = _below(measured, name, peer)
-        found.append((float(excess[:, 0].mean()), row))
+        found.append((float(np.nanmean(excess[:, 0])), row))
+    peers = "" if asked.peer_runs == asked.runs else f" ({asked.peer_runs} of other libraries)"
     caption = (
-        f"Excess of the cost `{asked.cost}` over the best flight that any of these runs has found, in per "
-        f"cent: mean and median over {len(terrains)} terrains ({_listed(terrains)}) and {asked.runs} runs, "
-        f"after so many evaluations. First on terrains: where the mean is the least after "
+        f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
+        f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.runs} runs{peers}, of each policy where "
+        f"there are several, after so many evaluations. First on terrains: where the mean is the least after "
         f"{asked.evaluations[0]:,}. Below the best peer: terrains on which the mean after "
         f"{asked.evaluations[0]:,} is below that of {peer or 'a peer'}, the library row with the least mean "
         "excess. What planning takes is not in the evaluations"
@@ -74,7 +105,7 @@ def _below(measured: Mapping[str, Floats], name: str, peer: str | None) -> Entry
 def _firsts(measured: Mapping[str, Floats], name: str, budget: int) -> int:
     """Return on how many terrains the mean cost of a row is the least."""
     means = {other: costs[:, budget].mean(axis=1) for other, costs in measured.items()}
-    least = np.min(list(means.values()), axis=0)
+    least = np.nanmin(list(means.values()), axis=0)
     return int((means[name] <= least).sum())
 
 
@@ -88,10 +119,20 @@ def _by_terrain(measured: Mapping[str, Floats], terrains: Sequence[str], asked: 
         rows.append(row)
     caption = (
         f"Mean of the cost `{asked.cost}` after {asked.evaluations[0]:,} evaluations by terrain, over "
-        f"{asked.runs} runs, and the best cost that any run of any budget has found"
+        f"{asked.runs} runs, and the cost of the best known flight"
     )
     return Table.of(f"{asked.cost}-by-terrain", caption, rows)
 
 
 def _listed(terrains: Sequence[str]) -> str:
-    return ", ".join(terrains) if len(terrains) <= 8 else f"{terrains[0]} to {terrains[-1]}"
+    """Return the names of terrains, those with consecutive numbers as the first and the last of them."""
+    if len(terrains) <= 8:
+        return ", ".join(terrains)
+    parts: list[tuple[str, str]] = []
+    for name in terrains:
+        family, _, number = name.rpartition(":")
+        if parts and number.isdecimal() and parts[-1][1] == f"{family}:{int(number) - 1}":
+            parts[-1] = parts[-1][0], name
+        else:
+            parts.append((name, name))
+    return ", ".join(one if one == last else f"{one} to {last}" for one, last in parts)

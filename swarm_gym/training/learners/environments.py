@@ -8,6 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from swarm_gym.action import layout_of, make_action
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers.controller import beside_ways
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -48,7 +49,7 @@ def make_swarms(
             **config.env_options(),
             "observation": observation,
             "action": config.action,
-            **_options_of(*first_population(config, controller)),
+            **beside_ways(config.source, _options_of(*first_population(config, controller))),
         },
     )
     if controller is None:
@@ -106,7 +107,7 @@ def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
         return None
     controller, options = reference_controller(config)
     _require_equal_starts(config, controller)
-    options_of_both = {**options, **controller.env_options()}
+    options_of_both = {**options, **beside_ways(config.source, controller.env_options())}
     return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options_of_both))
 
 

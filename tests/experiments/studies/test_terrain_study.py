@@ -1,14 +1,18 @@
 """The study over terrain: its runs are kept, and its tables count them right."""
 
+import json
+
 import numpy as np
 import pytest
 
 from experiments import terrain as command
 from experiments.documents.records import records_in
-from experiments.studies.terrain import measured_costs
-from experiments.studies.terrain.measured_costs import Asked, measure, planned_cost
-from experiments.studies.terrain.peers import PEERS, Counted, best_cost
-from experiments.studies.terrain.rows import PLANNED, PeerRow, Row, rows
+from experiments.studies.terrain import best_known, measured_costs
+from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, learned_rows, rows
+from experiments.studies.terrain.measured_costs import Asked, measure
+from experiments.studies.terrain.peers import PEERS, Counted, best_flight
+from experiments.studies.terrain.rows import PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
+from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
 from helpers.terrains import rolling_terrain
 from swarm_gym.errors import UnknownNameError
@@ -16,8 +20,9 @@ from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import make_scenario, registry
 from swarm_gym.worlds import make_problem
 
-ASKED = Asked("metabox", (100, 200), 3)
+ASKED = Asked("metabox", (100, 200), 3, 3)
 ROW = Row("firefly", "waypoints", "guided")
+NONE = np.full(2, np.inf)
 
 
 @pytest.fixture
@@ -31,34 +36,120 @@ def test_runs_are_kept_and_better_with_more_evaluations(little_terrain, tmp_path
     costs = measure(ROW, little_terrain, ASKED, tmp_path)
     assert costs.shape == (2, 3)
     assert (costs[1] <= costs[0]).all()
-    assert costs[0].mean() < planned_cost(little_terrain, "metabox") * 1.5
+    planned = measure(PlannedRow(), little_terrain, ASKED, tmp_path)
+    assert planned.shape == (2, 1)
+    assert costs[0].mean() < planned[0, 0] * 1.5
     monkeypatch.setattr(measured_costs, "run_episodes", None)  # a further run would fail
+    monkeypatch.setattr(measured_costs, "flight_ways", None)  # a further plan, too
     np.testing.assert_array_equal(measure(ROW, little_terrain, ASKED, tmp_path), costs)
+    np.testing.assert_array_equal(measure(PlannedRow(), little_terrain, ASKED, tmp_path), planned)
     monkeypatch.setitem(registry.SCENARIOS, "little", lambda: rolling_terrain(3))
     with pytest.raises(TypeError):
         measure(ROW, little_terrain, ASKED, tmp_path)  # another terrain of the name
 
 
+def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path):
+    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 50, 200)
+    costs = measure(rule, little_terrain, ASKED, tmp_path)
+    assert costs.shape == (2, 6)
+    assert np.isnan(costs[0]).all()  # of a budget that it is not for
+    constant = measure(ROW, little_terrain, ASKED, tmp_path)
+    np.testing.assert_array_equal(costs[1, :3], constant[1])
+    assert (costs[1, 3:] != constant[1]).any()
+
+
+@pytest.mark.parametrize("row", [ROW, PlannedRow(), PeerRow("pymoo DE", "spherical")])
+def test_the_best_flight_of_runs_is_kept_and_replaces_a_worse_one(row, little_terrain, tmp_path):
+    runs, file = tmp_path / "runs", tmp_path / "known.json"
+    asked = Asked("metabox", (200,), 2, 2)
+    costs = measure(row, little_terrain, asked, runs)
+    assert best_known.collect(runs, [], file) == []  # of terrains that are asked for only
+    assert best_known.collect(runs, [little_terrain], file) == [little_terrain]
+    kept = best_known.best_known("metabox", file)[little_terrain]
+    assert kept["cost"] == costs.min()
+    assert kept["found_by"] == f"{row.name}, 200 evaluations"
+    assert kept["replaces"] == ""
+    problem = make_problem(make_scenario(little_terrain), encoding=kept["encoding"], cost="metabox")
+    assert problem.evaluate(np.array(kept["vector"]))[0] == kept["cost"]
+    assert best_known.collect(runs, [little_terrain], file) == []  # none is better
+    worse = {**kept, "cost": 2.0 * kept["cost"], "found_by": "a worse one"}
+    file.write_text(json.dumps({"metabox": {little_terrain: worse}}), encoding="utf-8")
+    assert best_known.collect(runs, [little_terrain], file) == [little_terrain]
+    again = best_known.best_known("metabox", file)[little_terrain]
+    assert again["replaces"] == f"{worse['cost']}, a worse one"
+    np.testing.assert_array_equal(
+        best_known.least_costs("metabox", [little_terrain, "other"], file), [kept["cost"], np.inf]
+    )
+
+
+def test_a_flight_that_does_not_cost_what_is_stored_is_refused(little_terrain, tmp_path):
+    measure(PlannedRow(), little_terrain, Asked("metabox", (200,), 1, 1), tmp_path)
+    (file,) = tmp_path.glob("*.json")
+    stored = json.loads(file.read_text(encoding="utf-8"))
+    stored["costs"] = [0.5 * stored["costs"][0]]
+    file.write_text(json.dumps(stored), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"planned-flight.*delete the file"):
+        best_known.collect(tmp_path, [little_terrain], tmp_path / "known.json")
+
+
 def test_tables_have_excess_over_the_best_and_count_firsts():
     one = np.array([[[10.0, 12.0], [10.0, 10.0]], [[40.0, 40.0], [30.0, 20.0]]])
     other = np.array([[[20.0, 20.0], [20.0, 20.0]], [[30.0, 30.0], [25.0, 25.0]]])
-    asked = Asked("metabox", (100, 200), 2)
-    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked)
+    asked = Asked("metabox", (100, 200), 2, 2)
+    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, NONE)
     found = {str(row[0]): [cell.numbers["value"] for cell in row[1:6]] for row in short.rows}
     assert found["PSO, one"] == pytest.approx([55.0, 60.0, 12.5, 0.0, 1])
     assert found[PLANNED] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
     assert [str(row[0]) for row in short.rows] == ["PSO, one", PLANNED]
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [10.0, 20.0]
+    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, np.array([5.0, 90.0]))
+    assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 20.0]
+    assert short.rows[0][1].numbers["value"] == pytest.approx(110.0)
 
 
 def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     mine = np.array([[[10.0, 12.0]], [[40.0, 40.0]]])
     peer = np.array([[[20.0, 20.0]], [[30.0, 30.0]]])
-    measured = {"PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer}
-    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2))
+    absent = np.full((2, 1, 2), np.nan)
+    measured = {
+        "PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer, "absent": absent
+    }  # fmt: skip
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4), NONE)
     assert "that of pymoo DE, spherical, the library row" in short.caption
+    assert "2 runs (4 of other libraries)" in short.caption
     found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
+
+
+def test_captions_name_ranges_of_terrains():
+    names = [f"terrain:test:{k}" for k in (*range(8), 9, *range(28, 30))]
+    costs = np.ones((len(names), 1, 1))
+    short, _ = tables({"PSO, one": costs}, names, Asked("metabox", (100,), 1, 1), np.full(len(names), np.inf))
+    listed = "(terrain:test:0 to terrain:test:7, terrain:test:9, terrain:test:28 to terrain:test:29)"
+    assert listed in short.caption
+
+
+def test_controllers_are_compared_with_their_rival_seed_by_seed():
+    shape = (4, 1, 2)
+    rival = np.exp(np.random.default_rng(0).uniform(8, 9, shape))
+    seen = np.concatenate([rival * np.exp(-0.02), rival * np.exp(-0.04)], axis=2)  # two policies
+    blind = ControlledRow("constants", "firefly", "guided", ("fixed:20",))
+    policy = ControlledRow("learned", "firefly", "guided", ("learned:a/0", "learned:a/1"))
+    table = table_of_control(
+        [blind, policy],
+        {blind.name: rival, policy.name: seen},
+        {"firefly": blind.name},
+        Asked("metabox", (EVALUATIONS,), 2, 2),
+        np.full(4, 10.0),
+    )
+    (_, none, few, *_, no_difference), (_, two, *_, difference) = table.rows
+    assert str(none) == str(no_difference) == "–"
+    assert two.numbers["value"] == 2
+    assert few.numbers["value"] == pytest.approx(100 * (rival[:2].mean() / 10 - 1))
+    assert difference.numbers["value"] == pytest.approx(-3.0)
+    assert difference.numbers["low"] == pytest.approx(-4.0)
+    assert difference.numbers["high"] == pytest.approx(-2.0)
+    assert objective(np.full(3, np.e)) == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize("peer", PEERS)
@@ -66,15 +157,17 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
     row = PeerRow(peer, "waypoints")
     costs = measure(row, little_terrain, ASKED, tmp_path)
     problem = make_problem(make_scenario(little_terrain), cost="metabox")
-    assert best_cost(peer, problem, 200, TEST[0]) == costs[1, 0]
-    assert best_cost(peer, problem, 200, TEST[1]) != costs[1, 0]
+    cost, vector = best_flight(peer, problem, 200, TEST[0])
+    assert cost == costs[1, 0] == problem.evaluate(vector)[0]
+    assert best_flight(peer, problem, 200, TEST[1])[0] != costs[1, 0]
     counted = Counted(problem, 200)
     PEERS[peer](counted, 1)
     assert counted.left == 0
 
 
 def test_rows_have_names_of_their_own():
-    assert len({row.name for row in rows()}) == len(rows()) == 16 + 2 * len(PEERS)
+    assert len({row.name for row in rows()}) == len(rows())
+    assert len(rows()) == 4 * len(SIZES) + 2 * len(PEERS) + 3 + 6 + len(learned_rows()) + 1
 
 
 def test_the_command_refuses_by_name(tmp_path):
@@ -90,12 +183,14 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
         terrains=(little_terrain,),
         evaluations=(100,),
         runs=2,
-        rows=("fireflies, waypoints",),
+        rows=("fireflies, waypoints", PLANNED),
+        without=("uniform",),
     )
     files = command.write(config)
     assert [file.name for file in files] == ["metabox-in-short.md", "metabox-by-terrain.md"]
     text = files[0].read_text(encoding="utf-8")
     assert "fireflies, waypoints, guided" in text
+    assert "fireflies, waypoints, uniform" not in text
     assert PLANNED in text
     assert "little" in files[1].read_text(encoding="utf-8")
     (record,) = records_in(tmp_path)

@@ -17,6 +17,7 @@ from swarm_gym.problem import TerrainProblem
 from swarm_gym.problem.tables import draw_bend
 from swarm_gym.problem.terrain.ground import share_below
 from swarm_gym.scenarios import TerrainScenario
+from swarm_gym.scenarios.terrain import generated, generator
 
 PUBLISHED = Path(__file__).parents[2] / "data" / "metabox-flights.npz"
 ENCODINGS = ("waypoints", "spherical")
@@ -102,6 +103,19 @@ def test_costs_are_those_of_published_code():
     assert (steps == 0.0).all(axis=2).any(axis=1).mean() > 0.3
     grounded = [problem.terms(flight)["ground"] > 0.0 for flight in flights[:100]]
     assert 0.2 < np.mean(grounded) < 0.9
+
+
+@pytest.mark.slow
+def test_costs_over_generated_terrains_are_those_of_published_code():
+    """Published code made these 10,000 costs, over five terrains with 15 threats and five with 30."""
+    stream, found = np.random.RandomState(3849), []
+    for number, threats in enumerate([15] * 5 + [30] * 5):
+        draws = generator.draw(stream, threats)
+        terrain = generator.terrain_with(draws, generator.heights_of(draws))
+        problem = TerrainProblem(generated.as_scenario("one", terrain), "spherical", 10, "metabox")
+        flights = drawn_flights(problem, 1000 + number, 1000)
+        found.append([problem.evaluate(flight)[0] for flight in flights])
+    np.testing.assert_allclose(found, np.load(PUBLISHED)["generated"], rtol=1e-9)
 
 
 def test_both_costs_have_the_same_collision_for_the_same_flight():

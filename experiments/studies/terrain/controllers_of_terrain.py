@@ -1,0 +1,84 @@
+"""The rows of controllers: the paper's rules, constants, blind schedules, policies and blinded policies."""
+
+from collections.abc import Sequence
+
+from agents.evaluation.masking import load_blinded
+from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, peer_rows, swarm_rows
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import Controller, SizeLimits
+from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.names import BLINDED
+from swarm_gym.controllers.open_loop import packaged_open_loops
+from swarm_gym.optimizers import get_optimizer
+
+EVALUATIONS, ITERATIONS = 2_500, 220  # of an episode of the trainings
+LARGEST_SIZE = 100  # that the trainings allow
+# Recipes of policies, by optimizer and what they decide.
+SIZES_DECIDED, SOURCES_DECIDED = "size and phi", "with sources"
+RECIPES = {
+    ("differential-evolution", SIZES_DECIDED): "terrain-sizes",
+    ("differential-evolution", SOURCES_DECIDED): "terrain-sourced",
+    ("firefly", SIZES_DECIDED): "terrain-firefly-sizes",
+    ("firefly", SOURCES_DECIDED): "terrain-firefly-sourced",
+}
+# Open loops of one knot, which policies of a recipe correct, and from which its blind schedule was tuned.
+CONSTANTS = {
+    "terrain-sizes": "terrain-sizes-start",
+    "terrain-sourced": "terrain-start",
+    "terrain-firefly-sizes": "terrain-firefly-sizes-start",
+    "terrain-firefly-sourced": "terrain-firefly-start",
+}
+RULE = "spsfa-tip"
+
+
+def rule_rows() -> list[AnyRow]:
+    """Return the rows of the paper's printed rules, in their own optimizer and in the one of least excess."""
+    return [
+        ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)),
+        ControlledRow("SPSFA-TIP", "firefly", "guided", (RULE,)),
+        ControlledRow("SPSFA-TIP", "differential-evolution", "guided", (RULE,)),
+    ]
+
+
+def blind_rows() -> list[AnyRow]:
+    """Return the rows of controllers that see nothing: constants and tuned schedules."""
+    found: list[AnyRow] = []
+    for (optimizer, decided), recipe in RECIPES.items():
+        constants = f"open-loop:{CONSTANTS[recipe]}"
+        found.append(ControlledRow(f"constants, {decided}", optimizer, "guided", (constants,)))
+        if (tuned := f"{recipe}-tuned") in packaged_open_loops():
+            found.append(_trained(f"blind schedule, {decided}", optimizer, (f"open-loop:{tuned}",)))
+    return found
+
+
+def learned_rows() -> list[AnyRow]:
+    """Return the rows of the policies that are there, and of these policies blinded."""
+    found: list[AnyRow] = []
+    for (optimizer, decided), recipe in RECIPES.items():
+        policies = [name for name in packaged_policies() if name.startswith(f"{recipe}/")]
+        for family, label in (("learned", "learned"), (BLINDED, "learned, blinded")):
+            if policies:
+                names = tuple(f"{family}:{name}" for name in policies)
+                found.append(_trained(f"{label}, {decided}", optimizer, names))
+    return found
+
+
+def rows() -> list[AnyRow]:
+    """Return all rows of this study."""
+    return [*swarm_rows(), *rule_rows(), *blind_rows(), *learned_rows(), *peer_rows(), PlannedRow()]
+
+
+def controller_of(row: ControlledRow, name: str) -> Controller:
+    """Return a controller of a row, for episodes of its optimizer."""
+    family, _, argument = name.partition(":")
+    if family == BLINDED:
+        return load_blinded(argument)
+    if family == "learned":
+        return make_controller(name)
+    smallest = max(2, get_optimizer(row.optimizer).smallest_population)
+    largest = LARGEST_SIZE if family == "open-loop" else SizeLimits().largest
+    return make_controller(name, SizeLimits(smallest, largest))
+
+
+def _trained(label: str, optimizer: str, controllers: Sequence[str]) -> ControlledRow:
+    return ControlledRow(label, optimizer, "guided", tuple(controllers), ITERATIONS, EVALUATIONS)

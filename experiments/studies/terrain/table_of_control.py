@@ -1,0 +1,81 @@
+"""The table of controllers: policies, what they are without their eyes, and rivals that see nothing.
+
+The objective is the mean of the logarithm of the cost, times 100, so that a difference of 1 is about one per
+cent of the cost. Trainings maximise a logarithm, too. The rival is chosen on terrains for validation.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS
+from experiments.studies.terrain.measured_costs import Asked, Floats
+from experiments.studies.terrain.rows import ControlledRow
+from experiments.studies.terrain.tables_of_costs import excess_of
+from experiments.tables import Table
+from experiments.tables.cell import MISSING, Entry, number, number_in
+from swarm_gym.comparing.bootstrap import draw, interval, means
+
+FEW, MANY = 15, 30  # threats
+
+
+def objective(costs: Floats) -> float:
+    """Return the objective of costs of any shape."""
+    return float(100.0 * np.log(costs).mean())
+
+
+def table_of_control(
+    rows: Sequence[ControlledRow],
+    measured: Mapping[str, Floats],
+    rivals: Mapping[str, str],
+    asked: Asked,
+    best: Floats,
+) -> Table:
+    """Return the table.
+
+    Args:
+        rows: rows that have a line, those of one optimizer together.
+        measured: costs, (terrains, budgets, training seeds * runs), of these rows by name. The first half of
+            the terrains has few threats.
+        rivals: name of the row of each optimizer that the others are compared with.
+        asked: runs of each row; `EVALUATIONS` is one of the budgets.
+        best: (terrains,) costs of the best known flights.
+    """
+    budget, half = asked.evaluations.index(EVALUATIONS), len(best) // 2
+    lines = []
+    for row in rows:
+        costs = measured[row.name][:, budget]
+        excess = excess_of(costs, best)
+        rival = rivals[row.optimizer]
+        line: dict[str, Entry] = {
+            "controller": row.name.removesuffix(f", waypoints, {row.source}"),
+            "policies": number(len(row.controllers), ".0f") if "learned" in row.label else MISSING,
+            f"excess, {FEW} threats": number(excess[:half].mean(), ".1f"),
+            f"excess, {MANY} threats": number(excess[half:].mean(), ".1f"),
+            "median": number(np.median(excess), ".1f"),
+            "objective minus that of the rival": MISSING,
+        }
+        if row.name != rival:
+            line["objective minus that of the rival"] = _difference(
+                costs, measured[rival][:, budget], asked.runs
+            )
+        lines.append(line)
+    named = "; ".join(f"of {row}" for row in dict.fromkeys(rivals.values()))
+    caption = (
+        f"Controllers with guided members after {EVALUATIONS:,} evaluations, cost `{asked.cost}`, over "
+        f"{len(best)} test terrains and {asked.runs} runs of each policy. Excess over the best known flight "
+        f"in per cent, mean and median. Objective: 100 times the mean logarithm of the cost, minus that "
+        f"{named}, the blind controller with the least objective on terrains for validation [95 % interval "
+        "over policies, terrains and runs]. Below 0 is a smaller cost"
+    )
+    return Table.of(f"{asked.cost}-control", caption, lines)
+
+
+def _difference(costs: Floats, rival: Floats, runs: int) -> Entry:
+    """Return the difference of two objectives with its interval; runs of equal seeds are compared."""
+    terrains = len(costs)
+    mine, theirs = (np.log(one).reshape(terrains, -1, runs).swapaxes(0, 1) for one in (costs, rival))
+    differences = 100.0 * (mine - theirs.mean(axis=0))  # (policies, terrains, runs)
+    halves = (terrains // 2, terrains - terrains // 2)
+    ends = interval(means(differences, draw(len(differences), halves, runs)))
+    return number_in(float(differences.mean()), ends, "+.1f")

@@ -1,0 +1,72 @@
+"""Trainings and tunings over terrain: cost, source and budget reach the environments."""
+
+import dataclasses
+
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from helpers.terrains import rolling_terrain
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import beside_ways
+from swarm_gym.errors import SettingError
+from swarm_gym.rollout import swarms_for
+from swarm_gym.scenarios import registry
+from swarm_gym.sources import Source
+from swarm_gym.training.config import TrainConfig, changed_options, stored_config
+from swarm_gym.training.learners.environments import make_swarms
+from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.knots import KnotSpace
+from swarm_gym.tuning.side_by_side import SideBySide
+
+TERRAIN = {"cost": "metabox", "source": "guided", "max_evaluations": 150, "iterations": 30}
+FIRST = "fixed:8,smooth_share=1,amplitude=0.1"
+
+
+@pytest.fixture(autouse=True)
+def little_terrain(monkeypatch):
+    monkeypatch.setitem(registry.SCENARIOS, "little", lambda: rolling_terrain(2))
+
+
+def test_only_options_that_differ_reach_environments():
+    assert changed_options(TrainConfig()) == changed_options(TuneConfig()) == {}
+    config = TrainConfig(cost="metabox", source="guided", encoding="spherical")
+    assert changed_options(config) == {"encoding": "spherical", "cost": "metabox", "source": "guided"}
+    assert config.env_options()["source"] == "guided"
+    stored = {name: value for name, value in config.options().items() if name != "runs"}
+    assert stored_config({"config": stored}).env_options() == config.env_options()
+
+
+def test_members_of_a_training_lie_beside_planned_flights_also_with_a_base_that_has_a_source():
+    config = TrainConfig(scenarios=("little",), base=FIRST, initial_population_size=8, **TERRAIN)
+    env, base = make_swarms(config, 2, AutoresetMode.DISABLED)
+    settings = env.unwrapped.settings
+    assert base is not None
+    assert (settings.source, settings.amplitude, settings.cost) == ("guided", 0.1, "metabox")
+    assert env.unwrapped.simulation.problems[0].ways is not None
+
+
+def test_a_controller_keeps_the_ways_of_a_guided_environment():
+    options = {"scenario": "little", "cost": "metabox", "iterations": 5}
+    swarms = swarms_for(make_controller(FIRST), 2, "firefly", source="guided", **options)
+    assert (swarms.settings.source, swarms.settings.new_members) == ("guided", Source(1.0, 0.1))
+    plain = swarms_for(make_controller(FIRST), 2, "firefly", source="uniform", **options)
+    assert plain.settings.source == "smooth"
+    needed = make_controller("fixed:8,smooth_share=0.5").env_options()
+    assert beside_ways("uniform", needed) == needed
+    with pytest.raises(SettingError, match=r"'guided'.*mixed members.*first smooth share is 1"):
+        beside_ways("guided", needed)
+
+
+def test_a_tuning_has_a_budget_and_its_own_length():
+    config = TuneConfig(scenarios=("little",), episodes=3, price=0.0, initial_population_size=10, **TERRAIN)
+    controllers = [make_controller("fixed:10"), make_controller("fixed:20")]
+    places = SideBySide(config, 2, "paper", "natural")
+    assert places.steps == 2 * 3 * 30
+    outcomes = places.run(controllers, 5)
+    assert (outcomes.evaluations == 150).all()
+    guided = swarms_for(controllers[0], 1, "firefly", scenario="little", **TERRAIN)
+    assert places._env.unwrapped.settings.source == guided.settings.source == "guided"
+    longer = dataclasses.replace(config, knots=(0, 29))
+    assert len(KnotSpace(longer).start) == 4
+    with pytest.raises(SettingError, match="knots"):
+        KnotSpace(dataclasses.replace(config, knots=(0, 30)))
