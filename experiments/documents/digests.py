@@ -112,7 +112,7 @@ def digests_of_strong() -> dict[str, str]:
 def digests_of_terrain() -> dict[str, str]:
     """Return the digests of the swarms over terrain, by the rows of their table.
 
-    A digest is taken over the row, its size or the identities of its controllers, and the optimizer's results.
+    A digest is taken over the row, its size or controllers, and the results of the optimizer.
     """
     # Imported here: rows of other libraries need these.
     from experiments.studies.terrain.controllers_of_terrain import controller_of, rows
