@@ -91,8 +91,8 @@ OTHERS = {
     "[learners](learners.md)": ("learners",),
     "[known optimum](known-optimum.md)": ("known-optimum",),
     "[strong optimizers](strong-optimizers.md)": ("strong-optimizers",),
-    "[terrain](terrain.md)": ("terrain-all", "terrain-eight"),
-    "[planners](planners.md)": ("planners", "replanning", "streams"),
+    "[terrain](terrain.md)": ("terrain-all", "terrain-eight", "terrain-control"),
+    "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
     "[other libraries](adapters.md)": ("adapters",),
 }
 # Blocks with lists of findings, and the pages and suites that these are from.

@@ -14,6 +14,7 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
+from experiments.documents.records import record_of, write_record
 from experiments.planners.drive_check import check
 from experiments.planners.drive_planners import DRIVE_PLANNERS, WISHES, drive_map_of, ours
 from experiments.planners.drive_tasks import DriveTask, draw_drive_tasks
@@ -26,6 +27,7 @@ from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError, ScenarioError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.drive_costs import costs_of
+from swarm_gym.runs.provenance import git_commit
 
 OURS = "curve search"
 LONGER = 10.0  # times the limit, after which a task without a curve counts as not solvable
@@ -60,6 +62,7 @@ class DriveRecord:
         length: length over that of the shortest path of a robot that turns on the spot.
         total: sum of wishes, over the same.
         clearance: least distance of the centre from blocked cells, over the robot's radius.
+        commit: commit of the code that made it; empty if unknown.
     """
 
     kind: str
@@ -70,6 +73,7 @@ class DriveRecord:
     length: float = math.nan
     total: float = math.nan
     clearance: float = math.nan
+    commit: str = ""
 
 
 def curves(config: CurvesConfig) -> list[Path]:
@@ -90,7 +94,9 @@ def curves(config: CurvesConfig) -> list[Path]:
     if not drawn:
         raise ScenarioError("no map is left to compare planners on")
     config.output.mkdir(parents=True, exist_ok=True)
-    made = curve_tables(measure(drawn, config.seconds, config.output / "curves.jsonl"), config.seconds)
+    records = measure(drawn, config.seconds, config.output / "curves.jsonl")
+    write_record(record_of("curves", {one.commit for one in records} - {""}, {}), config.output)
+    made = curve_tables(records, config.seconds)
     for table in made:
         table.write(config.output)
     write_atomically(config.output / "curves-all.md", "\n".join(table.markdown() for table in made))
@@ -104,7 +110,7 @@ def measure(tasks: Sequence[DriveTask], seconds: float, file: Path) -> list[Driv
         (one.kind, one.task, one.planner): one for one in (DriveRecord(**json.loads(line)) for line in lines)
     }
     planners = {name: make() for name, make in DRIVE_PLANNERS.items()}
-    longer = ours(WISHES)
+    longer, commit = ours(WISHES), git_commit()
     names = [*planners, "longer"]
     # One task of each map after the other, so that what is there after a stop has all maps.
     tasks = sorted(tasks, key=lambda task: task.number)
@@ -121,7 +127,7 @@ def measure(tasks: Sequence[DriveTask], seconds: float, file: Path) -> list[Driv
                 found = None if solved else longer(task, LONGER * seconds)
             else:
                 found = planners[name](task, seconds)
-            record = DriveRecord(task.kind, task.number, name, "none found")
+            record = DriveRecord(task.kind, task.number, name, "none found", commit=commit)
             if found is not None:
                 verdict = check(task, found.poses)
                 total = costs_of(drive_map_of(task, WISHES), found.curve, WISHES)["sum"]
@@ -134,6 +140,7 @@ def measure(tasks: Sequence[DriveTask], seconds: float, file: Path) -> list[Driv
                     verdict.length / task.shortest,
                     total / task.shortest,
                     verdict.clearance / task.radius,
+                    commit,
                 )
             records[task.kind, task.number, name] = record
             out.write(json.dumps(asdict(record)) + "\n")
