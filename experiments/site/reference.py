@@ -97,8 +97,8 @@ PAGES = {
         "Own code",
         "Names of your own code, the contracts that it keeps, and bridges to other libraries.",
         (
-            "swarm_gym.own_code", "swarm_gym.testing", "swarm_gym.sb3", "swarm_gym.adapters.library",
-            "swarm_gym.adapters.swarm_view",
+            "swarm_gym.own_code", "swarm_gym.testing", "swarm_gym.sb3", "swarm_gym.learner_options",
+            "swarm_gym.adapters.library", "swarm_gym.adapters.swarm_view",
         ),
     ),
     "errors": ReferencePage(

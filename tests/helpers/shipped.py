@@ -5,11 +5,11 @@ from swarm_gym.optimizers import SPECIAL_OPTIMIZERS
 
 
 def policies_on_maps():
-    """Return the names of the policies that ship, without those of bit strings and of test functions."""
+    """Return the policies that ship, without those of bit strings, of test functions and of terrain."""
     return [name for name in packaged_policies() if _is_on_maps(load_policy(resolve(name))[1])]
 
 
 def _is_on_maps(manifest):
     trained_on = manifest["config"].get("scenarios", ["case1"])[0]
-    of_functions = trained_on.startswith(("function:", "metabox-bbob:"))
-    return manifest["optimizer"] not in SPECIAL_OPTIMIZERS and not of_functions
+    elsewhere = trained_on.startswith(("function:", "metabox-bbob:", "terrain:"))
+    return manifest["optimizer"] not in SPECIAL_OPTIMIZERS and not elsewhere

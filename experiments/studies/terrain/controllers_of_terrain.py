@@ -7,7 +7,7 @@ from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, 
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.learned.policy_file import packaged_policies
-from swarm_gym.controllers.names import BLINDED
+from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.optimizers import get_optimizer
 
@@ -70,13 +70,13 @@ def rows() -> list[AnyRow]:
 
 def controller_of(row: ControlledRow, name: str) -> Controller:
     """Return a controller of a row, for episodes of its optimizer."""
-    family, _, argument = name.partition(":")
-    if family == BLINDED:
-        return load_blinded(argument)
-    if family == "learned":
+    parts = ControllerName.parse(name)
+    if parts.family == BLINDED:
+        return load_blinded(parts.argument)
+    if parts.family == "learned":
         return make_controller(name)
     smallest = max(2, get_optimizer(row.optimizer).smallest_population)
-    largest = LARGEST_SIZE if family == "open-loop" else SizeLimits().largest
+    largest = LARGEST_SIZE if parts.family == "open-loop" else SizeLimits().largest
     return make_controller(name, SizeLimits(smallest, largest))
 
 

@@ -135,7 +135,9 @@ def test_policies_that_ship_are_in_a_suite():
     assert {f"learned:{name}" for name in policies_on_maps()} == learned
     # A reacting loop is an open loop that begins again.
     loops = {name.replace("reacting-loop:", "open-loop:") for name in run}
-    assert {f"open-loop:{name}" for name in packaged_open_loops()} <= loops
+    # Loops over terrain are rows of a study of its own, `experiments.terrain`.
+    on_maps = {f"open-loop:{name}" for name in packaged_open_loops() if not name.startswith("terrain-")}
+    assert on_maps <= loops
 
 
 @pytest.mark.parametrize("suite", [s for s in SUITES.values() if s.families], ids=lambda suite: suite.name)

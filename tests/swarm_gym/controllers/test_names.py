@@ -48,6 +48,8 @@ OTHER_NAMES = {
     "experiments/studies/brand_yu/tables.py": "scenarios",
     "experiments/studies/iafsa/published.py": "scenarios",
     "experiments/studies/iafsa/routes.py": "scenarios",
+    "experiments/studies/terrain/best_known.py": "scenarios",
+    "experiments/studies/terrain/tables_of_costs.py": "scenarios",
     "experiments/speed": "benchmarks and processors",
 }
 PARSERS = {"partition", "rpartition", "split", "rsplit", "removeprefix", "removesuffix", "startswith"}
