@@ -17,8 +17,8 @@ A name is looked up each time it is used. So after an edited notebook cell or `i
 the new code; what was made before keeps the old one.
 
 To import a module is to run its code. So a name imports code only if it is given on a command line or in a
-call. A file, such as a policy, a preset or a results database, may hold a name. It is refused unless the same
-name was given before, for instance to `allow`.
+call. Files, such as policies, presets and results databases, may hold names. A name in a file is refused
+unless the same name was given before, for instance to `allow`.
 """
 
 import hashlib

@@ -125,7 +125,9 @@ def digests_of_terrain() -> dict[str, str]:
         if isinstance(row, Row):
             deciding: object = SIZES[row.optimizer]
         else:
-            deciding = [controller_of(row, name).identity() for name in row.controllers]
+            # A blinded policy follows from a policy, which has a row, and runs of it.
+            plain = [name for name in row.controllers if ControllerName.parse(name).family != BLINDED]
+            deciding = [controller_of(row, name).identity() for name in plain]
         found[row.name] = digest([list(row), deciding, results[results_key(row.optimizer)]])
     return found
 
