@@ -11,10 +11,9 @@ import tyro
 from experiments.documents.records import record_of, write_record
 from experiments.planners.measuring import measure
 from experiments.planners.tables import replanning_tables, tables
-from experiments.planners.tasks import MAPS, PlannerTask, draw_tasks, planning_task, replanning_task
-from swarm_gym.checks import look_up
+from experiments.planners.tasks import MAPS, draw_on_maps, draw_tasks, planning_task, replanning_task
 from swarm_gym.command import command
-from swarm_gym.errors import MissingExtraError, ScenarioError
+from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 
 
@@ -50,16 +49,9 @@ def compare(config: PlannersConfig) -> list[Path]:
     if sorted(set(config.seconds)) != list(config.seconds) or not config.seconds or config.seconds[0] <= 0.0:
         raise ValueError(f"--seconds: expected growing numbers above 0, got {config.seconds}")
     make_task = replanning_task if config.replanning else planning_task
-    drawn: list[PlannerTask] = []
-    for kind in config.maps:
-        look_up("kind of map", kind, MAPS)
-        try:
-            seed = 1000 * config.seed + list(MAPS).index(kind)
-            drawn += draw_tasks(kind, config.tasks, seed, make_task)
-        except ScenarioError as error:
-            print(f"left out: {kind}: {error}")
-    if not drawn:
-        raise ScenarioError("no map is left to compare planners on")
+    drawn = draw_on_maps(
+        config.maps, config.seed, lambda kind, seed: draw_tasks(kind, config.tasks, seed, make_task)
+    )
     config.output.mkdir(parents=True, exist_ok=True)
     name, make = ("replanning", replanning_tables) if config.replanning else ("planning", tables)
     runs = measure(drawn, config.seeds, config.seconds, config.output / f"{name}.jsonl")

@@ -18,13 +18,12 @@ from experiments.documents.records import record_of, write_record
 from experiments.planners.drive_check import check
 from experiments.planners.drive_planners import DRIVE_PLANNERS, WISHES, drive_map_of, ours
 from experiments.planners.drive_tasks import DriveTask, draw_drive_tasks
-from experiments.planners.tasks import MAPS
+from experiments.planners.tasks import MAPS, draw_on_maps
 from experiments.statistics import mean_interval
 from experiments.tables.cell import MISSING, number, share, share_in
 from experiments.tables.table import Row, Table
-from swarm_gym.checks import look_up
 from swarm_gym.command import command
-from swarm_gym.errors import MissingExtraError, ScenarioError
+from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.drive_costs import costs_of
 from swarm_gym.runs.provenance import git_commit
@@ -84,15 +83,9 @@ def curves(config: CurvesConfig) -> list[Path]:
         UnknownNameError: if there is no such kind of map.
         ScenarioError: if no map is left.
     """
-    drawn: list[DriveTask] = []
-    for kind in config.maps:
-        look_up("kind of map", kind, MAPS)
-        try:
-            drawn += draw_drive_tasks(kind, config.tasks, 1000 * config.seed + list(MAPS).index(kind))
-        except ScenarioError as error:
-            print(f"left out: {kind}: {error}")
-    if not drawn:
-        raise ScenarioError("no map is left to compare planners on")
+    drawn = draw_on_maps(
+        config.maps, config.seed, lambda kind, seed: draw_drive_tasks(kind, config.tasks, seed)
+    )
     config.output.mkdir(parents=True, exist_ok=True)
     records = measure(drawn, config.seconds, config.output / "curves.jsonl")
     write_record(record_of("curves", {one.commit for one in records} - {""}, {}), config.output)

@@ -3,17 +3,21 @@
 A task of replanning has a path besides, and an obstacle that has appeared on it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import NoPathError
+from swarm_gym.checks import look_up
+from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 
 Floats = NDArray[np.float64]
+
+AnyTask = TypeVar("AnyTask")
 
 # A scenario on each map, by kind of map. Those of Moving AI and ROS are files of the data folder.
 MAPS: dict[str, str] = {
@@ -101,6 +105,30 @@ def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_
         if task is not None:
             tasks.append(task)
     return tasks
+
+
+def draw_on_maps(kinds: Sequence[str], seed: int, draw: Callable[[str, int], list[AnyTask]]) -> list[AnyTask]:
+    """Return tasks on maps of several kinds; maps whose files are missing are left out and named.
+
+    Args:
+        kinds: keys of `MAPS`.
+        seed: seed of all tasks.
+        draw: function that returns the tasks of a kind, drawn with a seed of its own.
+
+    Raises:
+        UnknownNameError: if there is no such kind of map.
+        ScenarioError: if no map is left.
+    """
+    drawn: list[AnyTask] = []
+    for kind in kinds:
+        look_up("kind of map", kind, MAPS)
+        try:
+            drawn += draw(kind, 1000 * seed + list(MAPS).index(kind))
+        except ScenarioError as error:
+            print(f"left out: {kind}: {error}")
+    if not drawn:
+        raise ScenarioError("no map is left to compare planners on")
+    return drawn
 
 
 def _blocked(scenario: GridScenario, path: Floats, rng: np.random.Generator) -> GridScenario | None:
