@@ -158,13 +158,15 @@ def episodes():
     from swarm_gym.controllers.learned.policy_file import packaged_policies
     from swarm_gym.controllers.registry import load_learned
     from swarm_gym.rollout import run_episodes
+    from swarm_gym.scenarios.registry import expand_name
     from swarm_gym.training.config import stored_config
 
     for name in of_each_recipe(packaged_policies()):
         controller = load_learned(name)
         config = stored_config(controller.manifest)
+        first = expand_name(config.scenarios[0])[0]  # a name may stand for hundreds of maps
         found = run_episodes(
-            controller, config.scenarios[0], range(SEED, SEED + 1), config.optimizer, **config.env_options()
+            controller, first, range(SEED, SEED + 1), config.optimizer, **config.env_options()
         )
         numbers = (found.final_fitness, found.evaluations, found.returns, found.sizes, found.repair_degrees)
         yield name, np.concatenate([part.ravel() for part in numbers])
