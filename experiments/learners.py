@@ -55,14 +55,14 @@ def run(config: LearnersConfig) -> list[Path]:
     for table in tables:
         table.write(config.output)
     objectives = [float(beside[name].objective.mean()) for name in (label(PAPER), "open loop three-cases")]
-    write_record(_record(trainings, config.steps), config.output)
+    write_record(_record(trainings), config.output)
     curves = write_curves(trainings, config.output, config.steps, *objectives)
     return [*(config.output / f"{table.name}.md" for table in tables), *curves]
 
 
-def _record(trainings: Path, steps: int) -> Record:
-    """Return the record of trainings, and of the controllers beside them, which run now."""
-    commits = commits_in(trainings.glob(f"*-{steps}/*.json"))
+def _record(trainings: Path) -> Record:
+    """Return the record of trainings of any length, and of the controllers beside them, which run now."""
+    commits = commits_in(trainings.glob("*/*.json"))
     return record_of("learners", {*commits, git_commit()}, digests_of_rivals())
 
 

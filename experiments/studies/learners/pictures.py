@@ -40,7 +40,7 @@ def write_curves(folder: Path, output: Path, steps: int, paper: float, base: flo
             one.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
             one.legend(fontsize=7)
         axes[0].set_ylabel("objective on validation seeds")
-        return [write_atomically(output / f"curves.{form}", render(figure, form)) for form in FORMATS]
+        return [write_atomically(output / f"curves-{steps}.{form}", render(figure, form)) for form in FORMATS]
 
 
 def _draw(axes: Axes, folder: Path, names: Iterable[str], steps: int) -> None:
