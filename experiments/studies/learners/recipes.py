@@ -74,6 +74,8 @@ class Recipe:
 NOISE_OF_TD3 = 0.2
 # Where the first policy is good already, few and large batches change it less by chance.
 CALM: dict[str, Any] = {**ON_POLICY, "batch_size": 400, "n_epochs": 5}
+# An LSTM is trained step by step, so few batches are fast.
+WHOLE_ROLLOUTS: dict[str, Any] = {**ON_POLICY, "batch_size": 1600, "policy_kwargs": {"lstm_hidden_size": 64}}
 # The library's noise, exp(0), undoes what a base or the first policy does well.
 SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 LEAST_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -3.0}}
@@ -93,7 +95,7 @@ RECIPES: dict[str, Recipe] = {
     "ppo-residual-rules": Recipe("PPO", {**CALM, **SMALL_NOISE}, RULES, "residual on SPSFA-TIP"),
     "ppo-sourced": Recipe("PPO", {**CALM, **SMALL_NOISE}, SOURCED, "with sources"),
     "ppo-residual-sourced": Recipe("PPO", {**CALM, **LEAST_NOISE}, TUNED_SOURCES, "residual with sources"),
-    "recurrent-ppo": Recipe("RecurrentPPO", CALM),
+    "recurrent-ppo": Recipe("RecurrentPPO", WHOLE_ROLLOUTS),
     "sac": Recipe("SAC", OFF_POLICY, DEARER, scales_rewards=True),
     "td3": Recipe("TD3", OFF_POLICY, DEARER, scales_rewards=True),
     "tqc": Recipe("TQC", OFF_POLICY, DEARER, scales_rewards=True),
