@@ -51,6 +51,10 @@ class ProblemOptions(Protocol):
         """Fitness of a blocked part of a path."""
 
     @property
+    def distance_weight(self) -> float:
+        """Weight of the cost of nearness to blocked cells."""
+
+    @property
     def cell_size(self) -> float:
         """Side of the cells that analytic maps are converted to."""
 
@@ -88,7 +92,7 @@ def _grid_problem(scenario: GridScenario, settings: ProblemOptions) -> Problem:
     option = {"waypoints": "num_waypoints", "bezier": "num_control_points"}[settings.encoding]
     num_points = getattr(settings, option)
     require_integer(option, num_points, 1, MAX_POINTS)
-    return GridProblem(scenario, settings.encoding, num_points, settings.penalty)
+    return GridProblem(scenario, settings.encoding, num_points, settings.penalty, settings.distance_weight)
 
 
 class Kind(NamedTuple):
@@ -121,8 +125,22 @@ KINDS: dict[type, Kind] = {
     GridScenario: Kind(
         "grid maps",
         {
-            "waypoints": ("encoding", "num_waypoints", "penalty", "clearance", "final_repair"),
-            "bezier": ("encoding", "num_control_points", "penalty", "clearance", "final_repair"),
+            "waypoints": (
+                "encoding",
+                "num_waypoints",
+                "penalty",
+                "distance_weight",
+                "clearance",
+                "final_repair",
+            ),
+            "bezier": (
+                "encoding",
+                "num_control_points",
+                "penalty",
+                "distance_weight",
+                "clearance",
+                "final_repair",
+            ),
             "walk": ("encoding", "penalty", "clearance", "final_repair"),
         },
         sourced=("waypoints", "bezier"),

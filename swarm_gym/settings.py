@@ -35,6 +35,8 @@ class Settings:
         length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
         penalty: lambda, at least 0: the fitness that each of about 1000 equal parts of a path costs on grid
             maps if it is blocked, or each cell's length of the blocked part of a walk.
+        distance_weight: weight, from 0 on, of the cost of nearness to blocked cells along a path; on grid
+            maps only, for waypoints and Bezier curves, see `swarm_gym.problem.grid.nearness`.
         cell_size: side of the cells that analytic maps are converted to for walks.
         cost: cost of flights over terrain: "documented", measured exactly, or "metabox", as published code
             computes it, see `swarm_gym.problem.terrain.cost`.
@@ -79,6 +81,7 @@ class Settings:
     num_control_points: int = 4
     length_weight: float = 0.3
     penalty: float = 500.0
+    distance_weight: float = 0.0
     cell_size: float = 2.0
     cost: str = "documented"
     clearance: float = 0.0

@@ -28,7 +28,7 @@ NEVER_STATED = (
     # These change nothing that a run stores.
     "final_repair", "made_for",
     # These are part of the problems of the scenarios.
-    "encoding", "num_control_points", "penalty", "cost",
+    "encoding", "num_control_points", "penalty", "distance_weight", "cost",
 )  # fmt: skip
 
 

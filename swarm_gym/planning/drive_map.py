@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.planning.curves.field import REACH, SLACK, Field, Integers, entries_of, nearest
 from swarm_gym.planning.tasks import Task
-from swarm_gym.planning.wishes import nearness
+from swarm_gym.problem.grid.nearness import nearness
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Scenario
 
 Floats = NDArray[np.float64]

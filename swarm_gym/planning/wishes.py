@@ -3,8 +3,8 @@
 The sum of a path is the integral of 1 + ground c(x) + distance e(x) along it, in map units. Here c is the
 cost of ground, see `swarm_gym.scenarios.graded_map`. The cost of nearness e = exp(-(d - margin) / decay)
 decays with the distance d from blocked cells, as Nav2's inflation layer does. It is 1 where the path is as
-close as the margin. The decay is the margin, and `DECAY` cells at least. Both are constant within
-each cell of the map as given, with d measured from the middle of the cell.
+close as the margin, see `swarm_gym.problem.grid.nearness`. Both are constant within each cell of the map as
+given.
 
 The wish `curvature` is for drivable curves alone, see `swarm_gym.planning.drive_costs`.
 """
@@ -12,7 +12,7 @@ The wish `curvature` is for drivable curves alone, see `swarm_gym.planning.drive
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -22,13 +22,13 @@ from swarm_gym.checks import require_number
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.planning.tasks import Task
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.scenarios import GridMap, GridScenario
+from swarm_gym.problem.grid.nearness import nearness
+from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
 
 FIELDS = ("ground", "distance")  # wishes whose integrand depends on the place alone
 WISHES = (*FIELDS, "curvature")
-DECAY = 3.0  # cells, at least, within which the cost of nearness falls to 1 / e
 MOST_CELLS = 2**22  # the search takes half a gigabyte for a million
 EDGE = 1e-9  # how far beside a border between cells a path counts as on it, in cells
 
@@ -129,25 +129,6 @@ def require_ground(task: Task, weights: Mapping[str, float]) -> None:
             f"wishes: map {shown(task.given.name)} has no costs of ground; choose what grades mean "
             "(unknown, lethal, terrain), or leave `ground` out"
         )
-
-
-@lru_cache(maxsize=4)
-def nearness(grid: GridMap, margin: float) -> Floats:
-    """Return the cost of nearness of each cell, (height, width), for a margin in map units."""
-    from scipy import ndimage
-
-    near = np.zeros(grid.blocked.shape)
-    if grid.blocked.any():
-        # The distance of a cell's middle from the area of a blocked cell, on a grid of half cells.
-        areas = np.zeros((2 * grid.height + 1, 2 * grid.width + 1), dtype=np.bool_)
-        areas[1::2, 1::2] = grid.blocked
-        areas = ndimage.binary_dilation(areas, np.ones((3, 3), dtype=np.bool_))
-        apart = ndimage.distance_transform_edt(~areas)[1::2, 1::2] / 2.0
-        cells = margin / grid.resolution
-        near = np.exp(-np.maximum(apart - cells, 0.0) / max(cells, DECAY))
-        near[grid.blocked] = 0.0
-    near.setflags(write=False)
-    return near
 
 
 def integral(field: Floats, cells: Floats) -> float:

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.jit import entry
-from swarm_gym.errors import SwarmGymError
+from swarm_gym.errors import SettingError, SwarmGymError, shown
 from swarm_gym.files import write_atomically
-from swarm_gym.problem import AnalyticProblem, Problem
+from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
 from swarm_gym.problem.analytic.collision import segment_collision
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.reference.optima import FIELD_FILES, digest, known_optimum, store_optimum
@@ -128,7 +128,7 @@ def ensure_optima(
         progress: is called with the number of problems done and the number of all.
 
     Raises:
-        SettingError: if the number of threads is not positive.
+        SettingError: if the number of threads is not positive, or if nearness to obstacles has a weight.
     """
     require_integer("num_threads", num_threads, 1)
     with ThreadPoolExecutor(num_threads) as pool:
@@ -142,6 +142,12 @@ def ensure_optima(
 
 def compute_optimum(problem: Problem) -> float:
     """Return the least fitness of a problem on a map, in map units; see `ensure_optima`."""
+    if isinstance(problem, GridProblem) and problem.distance_weight > 0.0:
+        raise SettingError(
+            f"distance_weight {problem.distance_weight:g}: the least fitness on map "
+            f"{shown(problem.scenario.name)} is unknown, and no method here computes it; choose a reward or "
+            "measure without optima, such as progress"
+        )
     return optimum(problem)[0] if isinstance(problem, AnalyticProblem) else shortest_path(problem.scenario)[0]
 
 

@@ -33,6 +33,7 @@ class EnvOptions(TypedDict, total=False):
     """Options of the environments of a training, as `SwarmEnv` has them."""
 
     encoding: str
+    distance_weight: float
     cost: str
     source: str
     iterations: int
@@ -67,6 +68,8 @@ class TrainConfig:
     """Scenarios that episodes draw from, e.g. case1 case2 or random-fields:train:0-511."""
     encoding: str = "waypoints"
     """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
+    distance_weight: float = 0.0
+    """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
     cost: str = "documented"
     """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"
@@ -169,11 +172,11 @@ class TrainConfig:
 
 
 def changed_options(config: object) -> EnvOptions:
-    """Return encoding, cost and source of a training or a tuning where they are not the defaults.
+    """Return encoding, costs and source of a training or a tuning where they are not the defaults.
 
-    Defaults are left out, since test functions have no encoding, and only flights have a cost to choose.
+    Defaults are left out, since each of these options exists on some kinds of scenarios only.
     """
-    names = [name for name in ("encoding", "cost", "source") if hasattr(config, name)]
+    names = [name for name in ("encoding", "distance_weight", "cost", "source") if hasattr(config, name)]
     given = {name: getattr(config, name) for name in names}
     return cast(EnvOptions, {n: value for n, value in given.items() if value != getattr(TrainConfig, n)})
 

@@ -28,6 +28,7 @@ FROM_PRESET = (
     "total_steps",
     "optimizer",
     "scenarios",
+    "distance_weight",
     "cost",
     "source",
     "min_population_size",

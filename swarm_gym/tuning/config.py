@@ -32,6 +32,8 @@ class TuneConfig:
     """Optimizer that the controller controls, e.g. firefly or fish-swarm."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
+    distance_weight: float = 0.0
+    """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
     cost: str = "documented"
     """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"

@@ -4,6 +4,9 @@ Source: MOA paper, `f = L + lambda * N_im`, lambda = 500; there N_im counts the 
 outside the map. Here it is the share of the length that lies there, measured exactly, times the number of
 pieces between samples: the same number where samples are many and even, and 0 for free paths only. The
 degree of collision is the blocked length itself, in map units, so that thresholds on E(P) keep a meaning.
+
+Where distance from obstacles has a weight, the integral of the cost of nearness along the path, times the
+weight, is added, see `swarm_gym.problem.grid.nearness`.
 """
 
 import math
@@ -25,6 +28,7 @@ from swarm_gym.compiler.simd import (
     total,
 )
 from swarm_gym.problem.grid.crossings import exact_length, pieces, place_of, segment
+from swarm_gym.problem.grid.nearness import integral
 from swarm_gym.problem.grid.table import GridTable
 
 Floats = NDArray[np.float64]
@@ -40,6 +44,8 @@ def evaluate(table: GridTable, path: Floats) -> tuple[float, float]:
     if in_doubt:
         blocked = _exactly(table, path)
     share = min(blocked / length, 1.0)
+    if table.row_costs.shape[0] > 0:
+        length += _nearness(table, path)
     return length * table.resolution + table.penalty * table.num_pieces * share, blocked * table.resolution
 
 
@@ -123,6 +129,12 @@ def _is_on_map(table: GridTable, x: float, y: float) -> bool:
 def _exactly(table: GridTable, path: Floats) -> float:
     """Return the blocked length of a path that is in doubt."""
     return exact_length(table, _points(table, path))
+
+
+@kernel
+def _nearness(table: GridTable, path: Floats) -> float:
+    """Return the weighted cost of nearness along a path, in cells."""
+    return integral(table, _points(table, path))
 
 
 @kernel

@@ -19,6 +19,7 @@ from swarm_gym.problem.geometry.curves import nearest_curves
 from swarm_gym.problem.geometry.rotated_axes import resampled
 from swarm_gym.problem.grid import encoding
 from swarm_gym.problem.grid.encoding import Encoding
+from swarm_gym.problem.grid.nearness import nearness
 from swarm_gym.problem.grid.table import GridTable, tabulate
 from swarm_gym.problem.map_problem import GridMapProblem
 from swarm_gym.problem.problem import Problem
@@ -42,6 +43,7 @@ class GridProblem(GridMapProblem):
         encoding: a name in `ENCODINGS`.
         num_points: free control points of a Bezier curve, or waypoints.
         penalty: lambda, the fitness that each of `table.num_pieces` equal parts of a path costs if blocked.
+        distance_weight: weight of the cost of nearness to blocked cells, see `nearness`.
         ways: (K, D) the paths that smooth new members lie beside; None is the straight line.
     """
 
@@ -49,12 +51,14 @@ class GridProblem(GridMapProblem):
     encoding: str = "bezier"
     num_points: int = 4
     penalty: float = 500.0
+    distance_weight: float = 0.0
     ways: Floats | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
         require_integer("num_points", self.num_points, 1, MAX_POINTS)
         require_number("penalty", self.penalty, 0.0, 1e9)
+        require_number("distance_weight", self.distance_weight, 0.0, 1e6)
 
     @property
     def dimension(self) -> int:
@@ -69,11 +73,13 @@ class GridProblem(GridMapProblem):
     @cached_property
     def table(self) -> GridTable:
         """The problem as the kernels read it."""
-        return tabulate(self.scenario.map, self.curve, self.penalty, self.ways)
+        weight, grid = self.distance_weight, self.scenario.map
+        costs = weight * nearness(grid, 0.0) if weight > 0.0 else None
+        return tabulate(grid, self.curve, self.penalty, self.ways, costs)
 
     @property
     def lower_bound(self) -> float:
-        """A lower bound of the fitness: the straight line."""
+        """A lower bound of the fitness: the straight line, also where nearness costs something."""
         return self.scenario.straight_line
 
     @property
@@ -110,7 +116,8 @@ class GridProblem(GridMapProblem):
         """The map, the ends and the parameters that the fitness depends on."""
         scenario = self.scenario
         ends = [float(number) for number in (*scenario.start, *scenario.target)]
-        return scenario.map.digest, ends, self.encoding, int(self.num_points), float(self.penalty)
+        found = scenario.map.digest, ends, self.encoding, int(self.num_points), float(self.penalty)
+        return (*found, float(self.distance_weight)) if self.distance_weight > 0.0 else found
 
     def points(self, vectors: ArrayLike) -> Floats:
         """Return the paths, (..., k, 2) in map coordinates, of decision vectors (..., dimension)."""

@@ -53,6 +53,8 @@ class GridTable(NamedTuple, Generic[Whole, Real]):
     row_runs: NDArray[np.int16]  # (cells + rows,) see `_runs`
     column_runs: NDArray[np.int16]  # (cells + columns,) the same for columns, column by column
     nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
+    row_costs: Floats  # (cells + rows,) see `_sums`, or (0,) where nearness costs nothing
+    column_costs: Floats  # (cells + columns,) the same for columns, column by column
 
 
 GridTables = GridTable[Integers, Floats]  # of stacked problems
@@ -87,10 +89,14 @@ def select(tables: GridTables, index: int) -> GridTable:
         tables.row_runs[index],
         tables.column_runs[index],
         tables.nearest[index],
+        tables.row_costs[index],
+        tables.column_costs[index],
     )
 
 
-def tabulate(grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | None) -> GridTable:
+def tabulate(
+    grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | None, costs: Floats | None
+) -> GridTable:
     """Return the problem table of a map and an encoding.
 
     Args:
@@ -98,8 +104,10 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | N
         encoding: the encoding.
         penalty: lambda, fitness per blocked piece.
         ways: (K, D) the paths that smooth bends lie beside; the straight line if there are none.
+        costs: (height, width) fitness per unit of length in each cell, beside 1; None is 0 everywhere.
     """
     cells = _cells(grid)
+    padded = np.zeros((0, 0)) if costs is None else np.pad(costs, 1)
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
     return GridTable(
@@ -128,6 +136,8 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | N
         _runs(cells.blocked).ravel(),
         _runs(cells.blocked.T).ravel(),
         cells.nearest,
+        _sums(padded).ravel(),
+        _sums(padded.T).ravel(),
     )
 
 
@@ -167,6 +177,11 @@ def _steps_to_other(blocked: NDArray[np.bool_]) -> NDArray[np.uint8]:
 def _runs(rows: NDArray[np.uint8]) -> NDArray[np.int16]:
     """Return the number of blocked cells before each cell of a row, and in the whole row."""
     return np.pad(np.cumsum(rows, axis=1, dtype=np.int16), ((0, 0), (1, 0)))
+
+
+def _sums(rows: Floats) -> Floats:
+    """Return the sum of costs before each cell of a row, and of the whole row."""
+    return np.pad(np.cumsum(rows, axis=1), ((0, 0), (1, 0)))
 
 
 def _in_blocks(encoding: Encoding) -> tuple[Integers, Floats, Floats]:
