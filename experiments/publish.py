@@ -142,6 +142,10 @@ TERRAIN_BLOCKS: Mapping[str, Block] = {
     "test-terrains": partial(_over_terrain, "terrain/all/metabox-in-short", IN_SHORT),
     "control-over-terrain": partial(ResultsFolder.text, name="terrain/control/metabox-control.md"),
 }
+ONE_MAX_TABLES: Mapping[str, Block] = {
+    name: partial(ResultsFolder.text, name=f"{name}.md")
+    for name in ("valley", "counting", "simulations", "speed")
+}
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
     "controlled-swarms": partial(_over_terrain, "terrain/control/metabox-in-short", BESIDE_CONTROL),
@@ -162,6 +166,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
     "known-optimum": (
         Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
+        Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),
         Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
     ),
     "planners": (
