@@ -1,8 +1,8 @@
 """Draw the planned paths that the pages on planning show: `python -m experiments.plans --help`.
 
-There are three pictures: paths through several corridors of case 2, a drivable curve in generated rooms
-beside the shortest path of a robot that turns on the spot, and a flight over a generated terrain. They are
-examples, and the tables of the pages say how good plans are.
+One picture has paths through several corridors of case 2. One has a drivable curve in generated rooms, and
+the shortest path of a robot that turns on the spot. One has a flight over a generated terrain. They are
+examples: the tables of the pages say how good plans are.
 """
 
 from collections.abc import Sequence

@@ -25,7 +25,8 @@ def draw_planners(table: Table) -> Figure:
     figure = new_figure(WIDTH, HEIGHT)
     axes = figure.subplots()
     rows = range(len(drawn))
-    axes.hlines(rows, *zip(*drawn.values(), strict=True), colors=GREY, linewidth=1.0, zorder=1)
+    early, late = zip(*drawn.values(), strict=True)
+    axes.hlines(rows, early, late, colors=GREY, linewidth=1.0, zorder=1)
     for k, (label, colour, marker) in enumerate(TIMES.values()):
         places = [values[k] for values in drawn.values()]
         # The later time lies on top and is smaller, so that both are seen where they are equal.
