@@ -7,6 +7,7 @@ not run here; `make docs` runs them.
 import re
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -31,6 +32,8 @@ LOOKED_AT = (
     "reference/layouts", "reference/all-controllers", "reference/commands",
     *(f"tutorials/{name}" for name in TUTORIALS[:1]),
 )  # fmt: skip
+# All pages that are written by hand; those of `LOOKED_AT` in every window, and the others on a phone.
+WRITTEN = sorted(path.stem for path in ROOT.glob("docs/*.md"))
 LARGEST_ANIMATION = 500_000  # bytes
 
 
@@ -99,9 +102,13 @@ def test_animations_are_there_and_small(site):
     assert max(sizes[name] for name in OPTIMIZERS) < LARGEST_ANIMATION
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("name", LOOKED_AT)
+@pytest.mark.parametrize(
+    ("name", "width", "scheme"),
+    [
+        *product(LOOKED_AT, WIDTHS, SCHEMES),
+        *((name, min(WIDTHS), "dark") for name in WRITTEN if name not in LOOKED_AT),
+    ],
+)
 def test_a_page_fits_its_window_and_axe_finds_nothing(open_page, name, width, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
     page = open_page(name, width, scheme)
