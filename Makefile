@@ -52,7 +52,7 @@ endef
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
     benchmark benchmark-gpu benchmark-peers benchmark-scaling docs paper docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-terrain docs-scaling docs-scores \
-    docs-gallery dist clean
+    docs-gallery docs-plans dist clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+%?:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -200,6 +200,9 @@ docs-scores: $(INSTALLED) ## score the packaged controllers that scores/ lacks, 
 
 docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
 	$(BIN)/python -m experiments.gallery
+
+docs-plans: $(INSTALLED) ## draw the planned paths that the pages on planning show
+	$(BIN)/python -m experiments.plans
 
 docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate

@@ -1,6 +1,7 @@
 """Configuration of the documentation site for Sphinx; `make docs` builds it."""
 
 import json
+import logging
 import os
 import re
 import sys
@@ -18,12 +19,13 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.g
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["SDL_VIDEODRIVER"] = "dummy"
+logging.getLogger("traitlets").setLevel(logging.WARNING)  # else each notebook that begins is a line
 
 from sphinx.application import Sphinx  # noqa: E402
 
 import swarm_gym  # noqa: E402
 from experiments.playground.playground_page import playground_page  # noqa: E402
-from experiments.site.markup import accessible, to_restructured_text  # noqa: E402
+from experiments.site.markup import accessible, legible, to_restructured_text  # noqa: E402
 from experiments.site.pages import on_site, write_pages  # noqa: E402
 from swarm_gym.files import write_atomically  # noqa: E402
 
@@ -123,6 +125,6 @@ def _finish(app: Sphinx, error: Exception | None) -> None:
     if error is None and app.builder.format == "html":
         for path in Path(app.outdir).rglob("*.html"):
             text = path.read_text(encoding="utf-8")
-            if (better := accessible(text)) != text:
+            if (better := legible(accessible(text), path.parent)) != text:
                 path.write_text(better, encoding="utf-8")
         write_atomically(Path(app.outdir) / "play.html", playground_page())

@@ -145,7 +145,7 @@ def write_picture(drawn: Picture, path: Path) -> None:
 def document(rows: list[list[Panel]]) -> str:
     """Return docs/gallery.md for a plan: a table of pictures, and the reasons for those that are missing."""
     names = [panel.scenario for panel in rows[0]]
-    lines = ["| |" + "".join(f" `{name}` |" for name in names), "|---" * (len(names) + 1) + "|"]
+    lines = ["| optimizer |" + "".join(f" `{name}` |" for name in names), "|---" * (len(names) + 1) + "|"]
     refusals: list[str] = []
     for row in rows:
         cells = []

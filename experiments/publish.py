@@ -20,6 +20,7 @@ from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import CURVE_TABLES, SHORT_TABLES
+from experiments.plots.style import render, settings
 from experiments.runs.database import ResultsError
 from experiments.scoring.ranking import (
     LEADERS_BLOCK,
@@ -32,6 +33,7 @@ from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
+from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.studies.strong.suites import LADDER
 from experiments.studies.terrain.tables_of_costs import BESIDE_CONTROL, IN_SHORT
 from experiments.tables.block_contents import rows_of
@@ -108,6 +110,14 @@ def _ladder(results: ResultsFolder) -> str:
     return pick(table, (table.columns[0],), [(name,) for name in LADDER]).markdown()
 
 
+def _cases_at_budgets(results: ResultsFolder) -> str:
+    """Return the table of the cases at equal evaluations, and show its figure."""
+    table = results.table(f"{AT_BUDGETS}/cases-at-budgets")
+    with settings():
+        results.shown["cases-at-budgets.svg"] = render(draw_cases_at_budgets(table), "svg")
+    return table.markdown()
+
+
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
     **{name: partial(_measurements, name) for name in CAPTIONS},
@@ -122,7 +132,7 @@ SCORES_BLOCKS: Mapping[str, Block] = {SUITES_BLOCK: suites_block, LEADERS_BLOCK:
 STRONG_BLOCKS: Mapping[str, Block] = {
     "in-short": partial(ResultsFolder.text, name="strong-optimizers/in-short.md"),
     "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
-    "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
+    "cases-at-budgets": _cases_at_budgets,
 }
 
 
@@ -141,6 +151,10 @@ def _over_terrain(name: str, rows: Sequence[str], results: ResultsFolder) -> str
 TERRAIN_BLOCKS: Mapping[str, Block] = {
     "test-terrains": partial(_over_terrain, "terrain/all/metabox-in-short", IN_SHORT),
     "control-over-terrain": partial(ResultsFolder.text, name="terrain/control/metabox-control.md"),
+}
+ONE_MAX_TABLES: Mapping[str, Block] = {
+    name: partial(ResultsFolder.text, name=f"{name}.md")
+    for name in ("valley", "counting", "simulations", "speed")
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
@@ -162,6 +176,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
     "known-optimum": (
         Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
+        Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),
         Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
     ),
     "planners": (
@@ -171,7 +186,9 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     ),
     "numbers": (Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
-    "strong-optimizers": (Document(Path("docs/strong-optimizers.md"), "", "", blocks=STRONG_BLOCKS),),
+    "strong-optimizers": (
+        Document(Path("docs/strong-optimizers.md"), "", "strong-optimizers", blocks=STRONG_BLOCKS),
+    ),
     "terrain": (
         Document(Path("docs/terrain.md"), "", "", blocks=TERRAIN_BLOCKS),
         Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),

@@ -37,7 +37,7 @@ COMMANDS = {
     "Measure": (
         "experiments.benchmark", "experiments.scaling", "experiments.sensitivity", "experiments.branching",
     ),
-    "Publish": ("experiments.publish", "experiments.gallery"),
+    "Publish": ("experiments.publish", "experiments.gallery", "experiments.plans"),
 }  # fmt: skip
 # Commands that take no options, and one that takes a file alone and prints no help.
 WITHOUT_OPTIONS = ("swarm_gym.warm_up", "experiments.gallery")

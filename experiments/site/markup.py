@@ -6,6 +6,8 @@ tables with bars and indented examples, which mean something else there.
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote
 
 _CODE = re.compile(r"(?<![`:\w])`([^`\n]+)`(?![`_])")
 _NAME = re.compile(r"(?:swarm_gym|agents|experiments)(?:\.\w+)+")
@@ -93,3 +95,30 @@ def accessible(page: str) -> str:
     for tag, attributes in MISSING.items():
         page = page.replace(f"{tag}>", f"{tag} {attributes}>")
     return page
+
+
+# A paragraph that holds a figure alone, and the width of an SVG file in points.
+_FIGURE = re.compile(r'<p>(<img [^>]*src="([^"]+\.svg)"[^>]*?) */></p>')
+_POINTS = re.compile(r'<svg [^>]*width="([\d.]+)pt"')
+
+
+def legible(page: str, folder: Path) -> str:
+    """Return an HTML page whose figures scroll sideways where the window is too narrow for their letters.
+
+    Letters in figures have about nine points. So a figure is at least as many CSS pixels wide as it has
+    points; a smaller window shows a part of it, in a box that scrolls.
+
+    Args:
+        page: text of the page.
+        folder: folder of the page, from which the links to figures lead.
+    """
+
+    def widened(figure: re.Match[str]) -> str:
+        path = folder / unquote(figure[2])
+        points = _POINTS.search(path.read_text(encoding="utf-8")) if path.is_file() else None
+        if points is None:
+            return figure[0]
+        box = '<p class="figure" tabindex="0" role="group" aria-label="Figure">'
+        return f'{box}{figure[1]} style="min-width: {float(points[1]):.0f}px" /></p>'
+
+    return _FIGURE.sub(widened, page)

@@ -16,9 +16,7 @@ from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.reference import shortest
 from swarm_gym.scenarios import GridMap, make_scenario
 
-LATE = (
-    2.0  # seconds that a call may take on a machine that does much else; see docs/planning.md for a quiet one
-)
+LATE = 2.0  # seconds that a call may take on a machine that does much else; see docs/planning-programs.md
 
 
 def blocks(seed=0):

@@ -26,6 +26,14 @@ def test_every_relative_link_leads_to_a_file(document):
     assert missing == []
 
 
+@looped("document", DOCUMENTS)
+def test_every_column_of_a_table_has_a_head(document):
+    """Screen readers say the head of a column before each of its cells."""
+    text = (ROOT / document).read_text(encoding="utf-8")
+    heads = re.findall(r"^(\|.*\|)\n\|[-| :]+\|$", text, re.MULTILINE)
+    assert [head for head in heads if "" in map(str.strip, head[1:-1].split("|"))] == []
+
+
 def documents_linked_in(document):
     """Yield the paths, from the root, of the documents that a document links."""
     folder = (ROOT / document).parent

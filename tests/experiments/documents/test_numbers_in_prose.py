@@ -22,8 +22,9 @@ PAGES = {
     "docs/curves.md": ("docs/planners-tables.md",),
     "docs/scores.md": ("docs/scores-tables.md",),
     "docs/terrain.md": ("docs/terrain-tables.md",),
+    "docs/terrain-scenarios.md": (),
     "docs/bbob.md": (),
-    "docs/known-optimum.md": (),
+    "docs/known-optimum.md": ("docs/known-optimum-tables.md",),
     "docs/strong-optimizers.md": (),
     "docs/learners.md": (),
 }
@@ -36,7 +37,8 @@ EXCEPTIONS = {
     "docs/planners.md": {"8 %"},
     "docs/known-optimum.md": {"100,000", "0.001"},
     "docs/strong-optimizers.md": {"600,000", "190,000", "1,500"},
-    "docs/terrain.md": {"1,000,000", "10,000", "100,000", "2501.14503", "4.4", "6.5"},
+    "docs/terrain.md": {"100,000", "2501.14503", "6.5"},
+    "docs/terrain-scenarios.md": {"1,000,000", "10,000", "100,000", "2,500", "2501.14503", "4.4", "6.5"},
     "docs/learners.md": {"1,000,000", "199,999", "20,000", "0.025", "0.1", "0.5"},
 }
 NUMBER = re.compile(r"(?<![\w.,@:/+-])[+-]?(\d+(?:,\d{3})*(?:\.\d+)?(?: %)?)(?![\w,]*\d)")

@@ -17,6 +17,10 @@ from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
 PAGES = ("study", "newcomers", "dynamic", "optimizers")
+# Further studies: without findings that are claims, and with several tables.
+OTHERS = (
+    "planners", "scores", "bbob", "learners", "terrain", "strong-optimizers", "known-optimum", "curves",
+)  # fmt: skip
 MOST_LINES, MOST_WORDS, MOST_ROWS = 250, 2500, 10
 # By page: the block of the appendix with the rows of each stored table that findings and table are made from.
 SOURCES = {
@@ -78,11 +82,24 @@ def stored(name, block):
     return Table(name, caption, ("scenarios", *cells(lines[heads[0] - 1])), rows)
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_a_page_is_short(name):
+@pytest.mark.parametrize("name", [*PAGES, *OTHERS])
+def test_a_page_is_short_and_says_its_limits_and_what_others_measured(name):
     text = page(name)
     assert len(text.splitlines()) <= MOST_LINES
     assert len(text.split()) <= MOST_WORDS
+    assert {"## Limits", "## Related work"} <= set(text.splitlines())
+
+
+def test_pages_on_planning_are_short():
+    pages = [*ROOT.glob("docs/planning*.md"), ROOT / "docs/flights.md", ROOT / "docs/terrain-scenarios.md"]
+    lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in pages}
+    assert len(lines) >= 7
+    assert {name: number for name, number in lines.items() if number > MOST_LINES} == {}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_has_figures_and_one_table(name):
+    text = page(name)
     assert 2 <= text.count("![") <= 4
     generated = "".join(contents(text).values())
     assert generated.count("\n| --- ") == 1

@@ -4,9 +4,12 @@ Needs the dependency group `docs`, and Chromium (`make browser`) for the pages i
 not run here; `make docs` runs them.
 """
 
+import re
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from filelock import FileLock
@@ -25,9 +28,12 @@ WIDTHS, SCHEMES = (1400, 390), ("light", "dark")
 TUTORIALS = sorted(path.stem for path in ROOT.glob("docs/tutorials/*.md") if path.stem != "index")
 LOOKED_AT = (
     "index", "environments/firefly", "environments/ant-colony", "study", "reference/index",
+    "learners", "terrain", "curves", "layouts", "planning", "flights",
     "reference/layouts", "reference/all-controllers", "reference/commands",
     *(f"tutorials/{name}" for name in TUTORIALS[:1]),
 )  # fmt: skip
+# All pages that are written by hand; those of `LOOKED_AT` in every window, and the others on a phone.
+WRITTEN = sorted(path.stem for path in ROOT.glob("docs/*.md"))
 LARGEST_ANIMATION = 500_000  # bytes
 
 
@@ -96,9 +102,13 @@ def test_animations_are_there_and_small(site):
     assert max(sizes[name] for name in OPTIMIZERS) < LARGEST_ANIMATION
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("name", LOOKED_AT)
+@pytest.mark.parametrize(
+    ("name", "width", "scheme"),
+    [
+        *product(LOOKED_AT, WIDTHS, SCHEMES),
+        *((name, min(WIDTHS), "dark") for name in WRITTEN if name not in LOOKED_AT),
+    ],
+)
 def test_a_page_fits_its_window_and_axe_finds_nothing(open_page, name, width, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
     page = open_page(name, width, scheme)
@@ -120,6 +130,20 @@ def test_a_wide_table_scrolls_in_its_own_box(open_page):
     assert max(scroll) > 0
     boxes.nth(scroll.index(max(scroll))).evaluate("box => { box.scrollLeft = 50 }")
     assert boxes.nth(scroll.index(max(scroll))).evaluate("box => box.scrollLeft") == 50
+
+
+@pytest.mark.parametrize("name", ["study", "learners", "curves"])
+def test_letters_of_figures_are_legible_on_a_phone(open_page, site, name):
+    """Figures have letters of nine points; on a phone they are at least nine pixels high."""
+    page = open_page(name, 390, "light")
+    figures = page.locator("article p.figure img")
+    assert figures.count() == page.locator("article img[src$='.svg']").count() > 0
+    for number in range(figures.count()):
+        figure = figures.nth(number)
+        file = site / unquote(figure.get_attribute("src"))
+        points = float(re.search(r'width="([\d.]+)pt"', file.read_text(encoding="utf-8"))[1])
+        assert figure.bounding_box()["width"] >= points - 1
+        assert figure.evaluate("image => getComputedStyle(image.parentElement).overflowX") == "auto"
 
 
 def test_the_search_finds_a_page(open_page):

@@ -32,7 +32,11 @@ pytest.importorskip("tyro", reason="needs the extra `study`")
 
 ROOT = Path(__file__).parents[3]
 # Documents whose code imports public names only.
-DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in ("guide", "own-code", "recipes", "planning")))
+DOCUMENTS = (
+    "README.md",
+    *(f"docs/{name}.md" for name in ("guide", "own-code", "recipes")),
+    *sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("docs/planning*.md")),
+)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 from experiments.site.check_links import BrokenLinksError, check_links
 from experiments.site.commands import help_of
 from experiments.site.markdown import entries, first_sentence, linked, prose, table, topic
-from experiments.site.markup import MISSING, accessible, to_restructured_text
+from experiments.site.markup import MISSING, accessible, legible, to_restructured_text
 from experiments.site.pages import on_site
 from experiments.site.reference import public_names
 from swarm_gym import reward
@@ -103,6 +103,26 @@ def test_help_is_that_of_the_command_line():
     text = help_of("swarm_gym.plan")
     assert text.startswith("usage: python -m swarm_gym.plan [-h] --map MAP")
     assert "--robot-radius R" in text
+
+
+def test_a_figure_is_as_wide_as_its_letters_need_and_scrolls(tmp_path):
+    (tmp_path / "a b.svg").write_text(
+        '<?xml version="1.0"?>\n<svg xmlns="x" width="576pt" height="9pt"></svg>'
+    )
+    (tmp_path / "pixels.svg").write_text('<svg width="576" height="9"></svg>')
+    page = '<p><img alt="A" src="a%20b.svg" /></p>'
+    wide = (
+        '<p class="figure" tabindex="0" role="group" aria-label="Figure">'
+        '<img alt="A" src="a%20b.svg" style="min-width: 576px" /></p>'
+    )
+    assert legible(page, tmp_path) == wide
+    assert legible(wide, tmp_path) == wide
+    for other in (
+        '<p><img src="pixels.svg" /></p>',
+        '<p><img src="absent.svg" /></p>',
+        '<p><img src="a.png" /></p>',
+    ):
+        assert legible(other, tmp_path) == other
 
 
 def write_site(folder, **pages):

@@ -1,0 +1,82 @@
+"""Figures that are drawn from printed tables: the shipped ones are those of the tables of their pages."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("tyro", reason="needs the extra `study`")
+
+from experiments.documents.marked_blocks import content_of
+from experiments.planners.figure import draw_planners
+from experiments.plots.style import render, settings
+from experiments.studies.strong.figure import draw_cases_at_budgets
+from experiments.tables.table import Table
+
+ROOT = Path(__file__).parents[3]
+FIGURES = {
+    "planners": (draw_planners, "planners", "planners/planners.svg"),
+    "strong-optimizers": (
+        draw_cases_at_budgets,
+        "cases-at-budgets",
+        "strong-optimizers/cases-at-budgets.svg",
+    ),
+}
+
+
+def printed(page, block):
+    """Return the table that a page shows in a block."""
+    lines = content_of((ROOT / f"docs/{page}.md").read_text(encoding="utf-8"), block).splitlines()
+    columns, _, *rows = [tuple(line[2:-2].split(" | ")) for line in lines if line.startswith("| ")]
+    return Table(block, "", columns, rows)
+
+
+def drawn(draw, table):
+    with settings():
+        return render(draw(table), "svg").decode()
+
+
+def labels(picture):
+    return re.findall(r"<!-- (.*) -->", picture)
+
+
+def ends(picture):
+    """Return the ends of all lines inside the axes, in points."""
+    lines = "".join(re.findall(r'<path d="([^"]*)" clip-path', picture))
+    return np.array(re.findall(r"[ML] ([\d.]+) ([\d.]+)", lines), dtype=float)
+
+
+def same(one, other):
+    """Say whether two pictures are the same, up to what versions of Matplotlib and of fonts change."""
+    return labels(one) == labels(other) and np.allclose(ends(one), ends(other), atol=4.0)
+
+
+@pytest.mark.parametrize("page", FIGURES)
+def test_a_shipped_figure_is_that_of_the_table(page):
+    draw, block, file = FIGURES[page]
+    found = drawn(draw, printed(page, block))
+    assert len(labels(found)) > 5
+    assert len(ends(found)) > 5
+    assert same(found, (ROOT / "docs/results" / file).read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("page", FIGURES)
+def test_other_numbers_are_another_figure(page):
+    draw, block, file = FIGURES[page]
+    table = printed(page, block)
+    first, second, *others = table.rows
+    exchanged = [first[:1] + second[1:], second[:1] + first[1:], *others]
+    found = drawn(draw, Table(block, "", table.columns, exchanged))
+    assert not same(found, (ROOT / "docs/results" / file).read_text(encoding="utf-8"))
+
+
+def test_tables_that_cannot_be_drawn_are_refused():
+    table = printed("strong-optimizers", "cases-at-budgets")
+    with pytest.raises(ValueError, match="lacks fireflies, learned with sources, 2,000"):
+        draw_cases_at_budgets(
+            Table("t", "", ("name", *table.columns[2:]), [row[:1] + row[2:] for row in table.rows[1:]])
+        )
+    bare = [(row[0], *("3 %" for _ in row[1:])) for row in table.rows]
+    with pytest.raises(ValueError, match="cell '3 %': expected a share with its interval"):
+        draw_cases_at_budgets(Table("t", "", table.columns, bare))
