@@ -26,6 +26,7 @@ from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.wishes import WISHES
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.scenarios.graded_map import UNKNOWN_CELLS
 
@@ -285,6 +286,10 @@ def _described(found: Plan) -> str:
     for number, other in enumerate(found.alternatives[1:], 2):
         costs = ", ".join(f"{name} {value:.6g}" for name, value in other.costs.items())
         lines.append(f"{f'path {number}':<12} {costs}, clearance {other.clearance:.6g}")
+    lines += [
+        f"{'no curve':<12} through another corridor, whose shortest path has length {length_of(path):.6g}"
+        for path in map(found.on_map, found.undrivable)
+    ]
     return "\n".join(["stopped by Ctrl-C", *lines] if found.stopped else lines)
 
 

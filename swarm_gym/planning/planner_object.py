@@ -266,13 +266,12 @@ def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
 def _load_kernels(is_on_cells: bool, has_margin: bool, drives: bool) -> None:
     """Plan on a tiny map, once in a process, so that later calls find all kernels loaded."""
     task = read_task(_tiny_cells() if is_on_cells else _tiny_obstacles(), None, None, 0.4 * has_margin)
-    if drives:
-        DriveRun(task, Request(turning_radius=0.5), time.monotonic(), lambda: False).run()
-        return
-    first = PlanningRun(task, Request(alternatives=2), time.monotonic(), lambda: False).run()
-    other = first.alternatives[-1].path
-    again = Request(previous=other, switch_margin=1.0)
-    PlanningRun(task, again, time.monotonic(), lambda: False).run()
+    kind: type[PlanningRun] | type[DriveRun] = DriveRun if drives else PlanningRun
+    radius = 0.5 if drives else None
+    request = Request(alternatives=2, turning_radius=radius)
+    other = kind(task, request, time.monotonic(), lambda: False).run().alternatives[-1].path
+    again = Request(previous=other, switch_margin=1.0, turning_radius=radius)
+    kind(task, again, time.monotonic(), lambda: False).run()
 
 
 def _tiny_cells() -> GridScenario:

@@ -82,9 +82,6 @@ class Request:
             raise SettingError(
                 "turning_radius: swarms find polylines; leave it out, or planner, optimizer and controller"
             )
-        if self.alternatives > 1 or self.previous is not None:
-            name = "previous" if self.previous is not None else "alternatives"
-            raise SettingError(f"{name}: curves with a turning_radius have none yet; leave one of them out")
 
     def _require_radius(self, name: str, value: object) -> None:
         if self.turning_radius is None:
