@@ -135,13 +135,14 @@ class DriveMap:
         field = self.field
         if not len(walls):
             return field
-        shape, margin = field.apart.shape, max(field.margin, WIDTH)
+        (rows, columns), margin = field.apart.shape, max(field.margin, WIDTH)
         reach = margin + REACH
-        thin = np.column_stack([self.to_nodes(walls.reshape(-1, 2)).reshape(-1, 4), np.full(len(walls), WIDTH)])
-        apart = np.minimum(field.apart, _lattice_of(thin, *shape, REACH).apart + margin)
+        ends = self.to_nodes(walls.reshape(-1, 2)).reshape(-1, 4)
+        thin = np.column_stack([ends, np.full(len(walls), WIDTH)])
+        apart = np.minimum(field.apart, _lattice_of(thin, rows, columns, REACH).apart + margin)
         thin[:, 4] -= margin  # so the margin of the field ends at the wall itself
         capsules = np.vstack([field.capsules, thin])
-        first, entries, _ = entries_of(capsules, *shape, reach)
+        first, entries, _ = entries_of(capsules, rows, columns, reach)
         return field._replace(
             capsules=capsules, first=first, entries=entries, apart=apart, margin=margin, reach=reach
         )
