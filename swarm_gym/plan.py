@@ -81,6 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 start_heading=options.start_heading,
                 goal_heading=options.goal_heading,
                 reverse=options.reverse,
+                curvature_rate=options.curvature_rate,
             )
         print(_described(found))
         if options.output:
@@ -139,6 +140,13 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         metavar="DEGREES",
         help="heading at the goal with a turning radius, in the same way (default: any)",
+    )
+    parser.add_argument(
+        "--curvature-rate",
+        type=float,
+        metavar="RATE",
+        help="greatest change of curvature over length with a turning radius, in 1 / unit squared, e.g. 0.5 "
+        "(default: curvature may jump)",
     )
     parser.add_argument(
         "--reverse", action="store_true", help="the robot may drive backwards, with a turning radius"

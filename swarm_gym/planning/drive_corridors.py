@@ -1,8 +1,9 @@
 """Curves in given corridors: alternatives of which no two pass alike, and the corridor of a previous path."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,8 @@ from swarm_gym.planning.corridor_walls import Walls, walls_around
 from swarm_gym.planning.curve import Curve
 from swarm_gym.planning.drive_costs import costs_of
 from swarm_gym.planning.drive_map import DriveMap
-from swarm_gym.planning.drive_search import FINER, FIRST, DriveSearch, Driving
+from swarm_gym.planning.drive_search import FINER, FIRST
+from swarm_gym.planning.drive_searches import DriveSearches
 
 Floats = NDArray[np.float64]
 
@@ -31,33 +33,31 @@ class Others(NamedTuple):
     "Paths through the corridors in which no curve was found, (k, 2) each, in the frame of the task."
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class DriveCorridors:
     """Searches for curves that are confined to one corridor each.
 
     Attributes:
-        drive_map: obstacles and costs.
-        driving: limits of the robot.
-        weights: weights of wishes.
-        seed: seed of the draws of local improvements.
+        searches: searches for curves that obey all limits.
         most: evaluations in a corridor after which improving ends; None for no limit.
-        evaluations: evaluations in all corridors so far.
     """
 
-    drive_map: DriveMap
-    driving: Driving
-    weights: Mapping[str, float]
-    seed: int
+    searches: DriveSearches
     most: int | None
-    evaluations: int = 0
-    corridors: CorridorMap = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.corridors = CorridorMap(self.drive_map.task)
+    @property
+    def drive_map(self) -> DriveMap:
+        """Obstacles and costs."""
+        return self.searches.drive_map
+
+    @cached_property
+    def corridors(self) -> CorridorMap:
+        """The corridors of the task."""
+        return CorridorMap(self.drive_map.task)
 
     def cost_of(self, curve: Curve) -> float:
         """Return the sum of wishes of a curve."""
-        return costs_of(self.drive_map, curve, self.weights)["sum"]
+        return costs_of(self.drive_map, curve, self.searches.weights)["sum"]
 
     def path_of(self, curve: Curve) -> Floats:
         """Return the points of a curve in the frame of the task, (k, 2)."""
@@ -80,17 +80,14 @@ class DriveCorridors:
         walls = walls_around(self.corridors, path)
         if walls is None:
             return None
-        walled = self.drive_map.walled(self._to_obstacles(walls))
-        search = DriveSearch(self.drive_map, self.driving, self.weights["curvature"], self.seed, walled)
-        best: Curve | None = None
+        searches, best = self.searches, None
+        most = math.inf if self.most is None else searches.evaluations + self.most
 
         def is_spent() -> bool:
-            is_enough = self.most is not None and best is not None and search.evaluations >= self.most
-            return is_enough or is_over()
+            return (best is not None and searches.evaluations >= most) or is_over()
 
-        for curve in search.curves(is_spent, False, FIRSTS):
+        for curve in searches.curves(self._to_obstacles(walls), is_spent, False, FIRSTS):
             best = curve
-        self.evaluations += search.evaluations
         # A curve may have slipped through a passage that is narrower than a cell of the corridors.
         return None if best is None or self.corridors.differ(self.path_of(best), path) else best
 

@@ -16,7 +16,8 @@ from swarm_gym.planning.drive_corridors import DriveCorridors, Others
 from swarm_gym.planning.drive_costs import costs_of, drive_weights
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_refusal import refusal_of
-from swarm_gym.planning.drive_search import DriveSearch, Driving
+from swarm_gym.planning.drive_search import Driving
+from swarm_gym.planning.drive_searches import DriveSearches
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Improvement, Plan
@@ -64,10 +65,10 @@ class DriveRun:
                 for heading in (request.start_heading, request.goal_heading)
             ),
         )
-        self._search = DriveSearch(self._map, self._driving, self._weights["curvature"], request.seed)
-        self._corridors = DriveCorridors(
-            self._map, self._driving, self._weights, request.seed, request.max_evaluations
+        self._searches = DriveSearches(
+            self._map, self._driving, self._weights, request.seed, request.curvature_rate
         )
+        self._corridors = DriveCorridors(self._searches, request.max_evaluations)
         before = None if request.previous is None else require_previous(request.previous, task)
         self._before = None if before is None else task.frame.to_frame(before)
         self._limit = math.inf if request.max_seconds is None else began + request.max_seconds
@@ -78,7 +79,7 @@ class DriveRun:
     @property
     def evaluations(self) -> int:
         """Poses that were expanded and parts that were tried, so far."""
-        return self._search.evaluations + self._corridors.evaluations
+        return self._searches.evaluations
 
     def run(self) -> Plan:
         """Plan, and return the best curve.
@@ -89,14 +90,16 @@ class DriveRun:
         """
         stopped, others = False, Others([], [])
         try:
-            for curve in self._search.curves(self._is_enough, self._request.max_seconds is not None):
+            for curve in self._searches.curves(None, self._is_enough, self._request.max_seconds is not None):
                 self._keep(curve, FOUND_BY)
             if self._best is not None:
                 others = self._others()
         except KeyboardInterrupt:
             stopped = True
         if self._best is None:
-            raise refusal_of(self._map, self._driving, self.evaluations, self._is_over)
+            raise refusal_of(
+                self._map, self._driving, self._request.curvature_rate, self.evaluations, self._is_over
+            )
         if stopped or self._is_stopped():
             found = self.best_so_far()
             assert found is not None

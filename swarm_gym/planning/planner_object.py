@@ -51,6 +51,7 @@ class Planner:
         switch_margin: float = SWITCH_MARGIN,
         turning_radius: float | None = None,
         reverse: bool = False,
+        curvature_rate: float | None = None,
     ):
         """Read the map, load the kernels and prepare the exact planner; arguments as in `swarm_gym.plan`.
 
@@ -68,7 +69,10 @@ class Planner:
         self._workspace, self._coordinates = workspace, coordinates
         self._wishes, self._switch_margin = wishes, switch_margin
         self._turning_radius, self._reverse = turning_radius, reverse
-        Request(wishes=wishes, turning_radius=turning_radius, reverse=reverse)  # checks the values
+        self._curvature_rate = curvature_rate
+        Request(  # checks the values
+            wishes=wishes, turning_radius=turning_radius, reverse=reverse, curvature_rate=curvature_rate
+        )
         self._stops: set[threading.Event] = set()
         self._lock = threading.Lock()
         self._of_files = grading = Grading(unknown, lethal, terrain)
@@ -99,6 +103,7 @@ class Planner:
             switch_margin=self._switch_margin,
             turning_radius=self._turning_radius,
             reverse=self._reverse,
+            curvature_rate=self._curvature_rate,
         )
 
     def plan(
@@ -159,6 +164,7 @@ class Planner:
             start_heading,
             goal_heading,
             self._reverse,
+            self._curvature_rate,
         )
         if cancel is not None and not isinstance(cancel, threading.Event):
             raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
