@@ -13,7 +13,6 @@ from swarm_gym.planning.alternatives import MORE
 from swarm_gym.planning.corridor_map import CorridorMap
 from swarm_gym.planning.corridor_walls import Walls, walls_around
 from swarm_gym.planning.curve import Curve
-from swarm_gym.planning.drive_costs import costs_of
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_search import FINER, FIRST
 from swarm_gym.planning.drive_searches import DriveSearches
@@ -54,10 +53,6 @@ class DriveCorridors:
     def corridors(self) -> CorridorMap:
         """The corridors of the task."""
         return CorridorMap(self.drive_map.task)
-
-    def cost_of(self, curve: Curve) -> float:
-        """Return the sum of wishes of a curve."""
-        return costs_of(self.drive_map, curve, self.searches.weights)["sum"]
 
     def path_of(self, curve: Curve) -> Floats:
         """Return the points of a curve in the frame of the task, (k, 2)."""
@@ -113,7 +108,7 @@ class DriveCorridors:
                 shut.append(path)
             if len(found) >= number + MORE or len(shut) >= number + MOST_SHUT:
                 break
-        return Others(sorted(found, key=self.cost_of)[:number], shut)
+        return Others(sorted(found, key=self.searches.cost_of)[:number], shut)
 
     def kept(
         self, before: Floats, best: Curve, switch_margin: float, is_over: Callable[[], bool]
@@ -136,8 +131,8 @@ class DriveCorridors:
         curve = None if along is None else self.curve_along(along, is_over)
         if curve is None:
             return None
-        most = self.cost_of(best) / (1.0 - switch_margin) if switch_margin < 1.0 else math.inf
-        return curve if self.cost_of(curve) <= most else None
+        most = self.searches.cost_of(best) / (1.0 - switch_margin) if switch_margin < 1.0 else math.inf
+        return curve if self.searches.cost_of(curve) <= most else None
 
     def _to_obstacles(self, walls: Walls) -> Floats:
         """Return walls in map units, (m, 4), with those that link their ends with the nearest obstacles."""

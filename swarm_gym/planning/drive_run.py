@@ -118,10 +118,10 @@ class DriveRun:
         if request.alternatives > 1:
             others = corridors.others(self._best, request.alternatives - 1, self._is_over)
             curves = others.curves
-            if curves and corridors.cost_of(curves[0]) < corridors.cost_of(self._best):
+            if curves and self._searches.cost_of(curves[0]) < self._searches.cost_of(self._best):
                 curves[0], best = self._best, curves[0]
                 self._keep(best, FOUND_BY)
-                curves.sort(key=corridors.cost_of)
+                curves.sort(key=self._searches.cost_of)
         if self._before is not None and not self._is_over():
             kept = corridors.kept(self._before, self._best, request.switch_margin, self._is_over)
             if kept is not None:

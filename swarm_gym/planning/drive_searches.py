@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.planning.curve import Curve
+from swarm_gym.planning.drive_costs import costs_of
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_search import FIRSTS, DriveSearch, Driving, Effort
 from swarm_gym.planning.smoothing import is_free, smoothed
@@ -50,7 +51,7 @@ class DriveSearches:
         is_timed: bool,
         firsts: tuple[Effort, ...] = FIRSTS,
     ) -> Iterator[Curve]:
-        """Yield curves; without a rate, each costs less than those before.
+        """Yield curves, each of which costs less than those before.
 
         Args:
             walls: ends of walls that curves must not cross, (m, 4), in map units; None without any.
@@ -69,18 +70,20 @@ class DriveSearches:
                 None if walls is None else drive_map.walled(walls),
             )
             self._searches.append(search)
-            fitting, in_vain = 0, 0
-            for curve in search.curves(is_over, is_timed, firsts):
-                fit = self._fit(curve)
-                if fit is not None:
-                    fitting += 1
-                    yield fit
-                else:
-                    in_vain += 1
-                if in_vain >= IN_VAIN and not fitting:
-                    break
-            if fitting or is_over():
+            curves = search.curves(is_over, is_timed, firsts)
+            if self.rate is None:
+                yield from curves
                 return
+            has_one = False
+            for curve in self._fitting(curves):
+                has_one = True
+                yield curve
+            if has_one or is_over():
+                return
+
+    def cost_of(self, curve: Curve) -> float:
+        """Return the sum of wishes of a curve."""
+        return costs_of(self.drive_map, curve, self.weights)["sum"]
 
     def _radii(self) -> list[float]:
         radius = self.driving.radius
@@ -91,10 +94,22 @@ class DriveSearches:
         radii = [min(max(share * radius, root / math.sqrt(self.rate)), most) for share, root in WIDER]
         return list(dict.fromkeys(radii))
 
+    def _fitting(self, curves: Iterator[Curve]) -> Iterator[Curve]:
+        """Yield the smoothed ones of curves, each of which costs less than those before."""
+        least, in_vain = math.inf, 0
+        for curve in curves:
+            fit = self._fit(curve)
+            if fit is None:
+                in_vain += 1
+                if in_vain >= IN_VAIN and math.isinf(least):
+                    return
+            elif (cost := self.cost_of(fit)) < least:
+                least = cost
+                yield fit
+
     def _fit(self, curve: Curve) -> Curve | None:
         """Return the curve with a curvature that obeys the rate; None if it would meet an obstacle."""
-        if self.rate is None:
-            return curve
+        assert self.rate is not None
         driving = self.driving
         heading = driving.goal_heading
         goal = np.append(self.drive_map.task.given.target, curve.end[2] if heading is None else heading)

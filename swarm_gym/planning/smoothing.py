@@ -1,8 +1,8 @@
 """Curves of continuous curvature: the curvature of arcs and straight lines is smoothed, and the ends are met.
 
-The curvature over the length driven is averaged over a window. If the window is as long as the range of
-curvatures over the greatest rate, the average changes no faster than that, and is within the same bounds. It
-changes evenly between breaks, so its pieces are clothoids. The ends of the smoothed curve are a little off
+The curvature over the length driven is averaged over a window, whose length is the range of curvatures over
+the greatest rate. So the average changes no faster than the rate, and is within the same bounds. It changes
+evenly between breaks, so its pieces are clothoids. The ends of the smoothed curve are a little off
 then. Adding an even change of curvature between a few knots, found by Newton's method, leads it to the goal.
 """
 
