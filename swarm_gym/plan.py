@@ -26,6 +26,7 @@ from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.wishes import WISHES
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.scenarios.graded_map import UNKNOWN_CELLS
 
@@ -80,6 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 start_heading=options.start_heading,
                 goal_heading=options.goal_heading,
                 reverse=options.reverse,
+                curvature_rate=options.curvature_rate,
             )
         print(_described(found))
         if options.output:
@@ -138,6 +140,13 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         metavar="DEGREES",
         help="heading at the goal with a turning radius, in the same way (default: any)",
+    )
+    parser.add_argument(
+        "--curvature-rate",
+        type=float,
+        metavar="RATE",
+        help="greatest change of curvature over length with a turning radius, in 1 / unit squared, e.g. 0.5 "
+        "(default: curvature may jump)",
     )
     parser.add_argument(
         "--reverse", action="store_true", help="the robot may drive backwards, with a turning radius"
@@ -285,6 +294,10 @@ def _described(found: Plan) -> str:
     for number, other in enumerate(found.alternatives[1:], 2):
         costs = ", ".join(f"{name} {value:.6g}" for name, value in other.costs.items())
         lines.append(f"{f'path {number}':<12} {costs}, clearance {other.clearance:.6g}")
+    lines += [
+        f"{'no curve':<12} through another corridor, whose shortest path has length {length_of(path):.6g}"
+        for path in map(found.on_map, found.undrivable)
+    ]
     return "\n".join(["stopped by Ctrl-C", *lines] if found.stopped else lines)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.planning.corridor_map import CorridorMap
+from swarm_gym.planning.curve import Curve
 
 Floats = NDArray[np.float64]
 
@@ -23,12 +24,14 @@ class Alternative:
         length: length of the path, in map units.
         clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
         costs: length, the integral of each wish and their sum, by name; the length alone without wishes.
+        curve: the path as a curve that can be driven; None without a turning radius.
     """
 
     path: Floats
     length: float
     clearance: float
     costs: dict[str, float]
+    curve: Curve | None = None
 
 
 def through_other_corridors(

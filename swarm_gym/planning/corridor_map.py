@@ -150,7 +150,7 @@ def _deep_cells(scenario: GridScenario) -> Floats:
 def _tight_along(cells: GridScenario, path: Floats) -> Floats | None:
     """Return the shortest path over cells in the corridor of a path, both in map units, (k, 2)."""
     grid = cells.map
-    steps = _steps_along(grid.blocked, grid.to_cells(path))
+    steps = steps_along(grid.blocked, grid.to_cells(path))
     if steps is None:
         return None
     runs = Runs.of(grid.blocked)
@@ -160,7 +160,7 @@ def _tight_along(cells: GridScenario, path: Floats) -> Floats | None:
     return tight
 
 
-def _steps_along(blocked: NDArray[np.bool_], path: Floats) -> Integers | None:
+def steps_along(blocked: NDArray[np.bool_], path: Floats) -> Integers | None:
     """Return steps over free cells along a path in cells, (k, 2); None if there are none."""
     near = _free_cells_along(blocked, path)
     parts = [near[:1]]

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 
 MOST_NODES = 2**18  # of the lattice
 FEWEST = 192  # steps of the lattice along the longer side of a map of circles and polygons
+WIDTH = 0.01  # of half a wall, in steps of the lattice; guides would step through thinner ones
 AROUND = 4.0  # turning radii around the obstacles of such a map in which curves may lie
 
 
@@ -121,6 +122,30 @@ class DriveMap:
         margin = self.task.margin / self.unit
         is_even = bool((cost == 1.0).all())
         return Field(capsules, first, entries, apart, cost, region, margin, margin + REACH, is_even)
+
+    def walled(self, walls: Floats) -> Field:
+        """Return the field with walls that the robot's centre does not cross.
+
+        Walls have hardly any width, no margin, and no cost of nearness. The margin of obstacles is a little
+        above 0, since guides step through edges that are as far from two nodes as these are apart.
+
+        Args:
+            walls: ends of each wall, (m, 4), in map units.
+        """
+        field = self.field
+        if not len(walls):
+            return field
+        (rows, columns), margin = field.apart.shape, max(field.margin, WIDTH)
+        reach = margin + REACH
+        ends = self.to_nodes(walls.reshape(-1, 2)).reshape(-1, 4)
+        thin = np.column_stack([ends, np.full(len(walls), WIDTH)])
+        apart = np.minimum(field.apart, _lattice_of(thin, rows, columns, REACH).apart + margin)
+        thin[:, 4] -= margin  # so the margin of the field ends at the wall itself
+        capsules = np.vstack([field.capsules, thin])
+        first, entries, _ = entries_of(capsules, rows, columns, reach)
+        return field._replace(
+            capsules=capsules, first=first, entries=entries, apart=apart, margin=margin, reach=reach
+        )
 
     def nearness_at(self, points: Floats) -> Floats:
         """Return the cost of nearness at points in map units, (n, 2)."""

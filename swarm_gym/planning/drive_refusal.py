@@ -17,13 +17,18 @@ SMALLER = (0.5, 0.25, 0.125)  # turning radii that are tried, over the one that 
 
 
 def refusal_of(
-    drive_map: DriveMap, driving: Driving, evaluations: int, is_over: Callable[[], bool]
+    drive_map: DriveMap,
+    driving: Driving,
+    rate: float | None,
+    evaluations: int,
+    is_over: Callable[[], bool],
 ) -> SwarmGymError:
     """Return the error that says why no curve was found.
 
     Args:
         drive_map: the task.
         driving: limits of the robot.
+        rate: greatest change of curvature over length; None if it may jump.
         evaluations: work of the searches that have found nothing.
         is_over: whether time is up; then nothing more is tried.
     """
@@ -31,6 +36,13 @@ def refusal_of(
     what = f"no curve with {_described(driving)} was found on {shown(task.given.name)}"
     if is_over():
         return NoPathError(f"{what} in the time; a longer time may help")
+    if rate is not None:
+        length = _length(drive_map, driving, is_over)
+        if math.isfinite(length):
+            return NoPathError(
+                f"{what} that obeys the curvature rate {rate:g}; without it there is a curve of length "
+                f"{length:.6g}; expected a larger curvature_rate, or none"
+            )
     for is_goal in (False, True):
         error = _trapped(drive_map, driving, is_goal, is_over)
         if error is not None:

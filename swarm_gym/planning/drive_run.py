@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.planning.alternatives import Alternative
 from swarm_gym.planning.curve import Curve
 from swarm_gym.planning.curves.field import room_at
+from swarm_gym.planning.drive_corridors import DriveCorridors, Others
 from swarm_gym.planning.drive_costs import costs_of, drive_weights
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_refusal import refusal_of
-from swarm_gym.planning.drive_search import DriveSearch, Driving
+from swarm_gym.planning.drive_search import Driving
+from swarm_gym.planning.drive_searches import DriveSearches
+from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Improvement, Plan
 from swarm_gym.planning.tasks import Task
@@ -22,7 +26,8 @@ from swarm_gym.problem.geometry.clearance import clearance_of
 
 Floats = NDArray[np.float64]
 
-FOUND_BY = "curve search"
+FOUND_BY, KEPT = "curve search", "previous corridor"
+FIRST_SHARE = 0.5  # of the time for the best curve, where other corridors are looked at, too
 FINE = 0.01  # spacing of the points whose distance from obstacles is measured, in turning radii
 MOST_POINTS = 20_000
 
@@ -45,7 +50,7 @@ class DriveRun:
             is_stopped: whether planning shall end; asked again and again.
 
         Raises:
-            SettingError: for wishes that do not fit the task.
+            SettingError: for a previous path or wishes that do not fit the task.
             ScenarioError: for an end without room for curves.
         """
         assert request.turning_radius is not None
@@ -60,7 +65,12 @@ class DriveRun:
                 for heading in (request.start_heading, request.goal_heading)
             ),
         )
-        self._search = DriveSearch(self._map, self._driving, self._weights["curvature"], request.seed)
+        self._searches = DriveSearches(
+            self._map, self._driving, self._weights, request.seed, request.curvature_rate
+        )
+        self._corridors = DriveCorridors(self._searches, request.max_evaluations)
+        before = None if request.previous is None else require_previous(request.previous, task)
+        self._before = None if before is None else task.frame.to_frame(before)
         self._limit = math.inf if request.max_seconds is None else began + request.max_seconds
         self._best: Curve | None = None
         self.improvements: list[Improvement] = []
@@ -69,7 +79,7 @@ class DriveRun:
     @property
     def evaluations(self) -> int:
         """Poses that were expanded and parts that were tried, so far."""
-        return self._search.evaluations
+        return self._searches.evaluations
 
     def run(self) -> Plan:
         """Plan, and return the best curve.
@@ -78,34 +88,75 @@ class DriveRun:
             NoPathError: if none was found.
             SettingError: for a turning radius that start or goal cannot leave.
         """
-        stopped = False
+        stopped, others = False, Others([], [])
         try:
-            for curve in self._search.curves(self._is_over, self._request.max_seconds is not None):
-                self._keep(curve)
+            for curve in self._searches.curves(None, self._is_enough, self._request.max_seconds is not None):
+                self._keep(curve, FOUND_BY)
+            if self._best is not None:
+                others = self._others()
         except KeyboardInterrupt:
             stopped = True
         if self._best is None:
-            raise refusal_of(self._map, self._driving, self.evaluations, self._is_over)
+            raise refusal_of(
+                self._map, self._driving, self._request.curvature_rate, self.evaluations, self._is_over
+            )
         if stopped or self._is_stopped():
             found = self.best_so_far()
             assert found is not None
             return found
-        return self._complete(self._plan(self._best, False))
+        return self._complete(self._plan(self._best, False), others)
 
     def best_so_far(self) -> Plan | None:
         """Return the best curve so far; None without one. Gap, clearance and costs are unknown."""
         return None if self._best is None else self._plan(self._best, True)
 
-    def _complete(self, plan: Plan) -> Plan:
+    def _others(self) -> Others:
+        """Return curves through other corridors than the best one, which may be replaced."""
+        request, corridors = self._request, self._corridors
+        assert self._best is not None
+        others = Others([], [])
+        if request.alternatives > 1:
+            others = corridors.others(self._best, request.alternatives - 1, self._is_over)
+            curves = others.curves
+            if curves and self._searches.cost_of(curves[0]) < self._searches.cost_of(self._best):
+                curves[0], best = self._best, curves[0]
+                self._keep(best, FOUND_BY)
+                curves.sort(key=self._searches.cost_of)
+        if self._before is not None and not self._is_over():
+            kept = corridors.kept(self._before, self._best, request.switch_margin, self._is_over)
+            if kept is not None:
+                curves = [one for one in (self._best, *others.curves) if corridors.differ(one, kept)]
+                others = others._replace(curves=curves[: request.alternatives - 1])
+                self._keep(kept, KEPT)
+        return others
+
+    def _complete(self, plan: Plan, others: Others) -> Plan:
         """Return a plan with what takes some time to measure."""
-        curve, known = self._best, self._task.shortest
+        curve, known, task = self._best, self._task.shortest, self._task
         assert curve is not None
-        fine = curve.sampled(max(FINE * curve.turning_radius, curve.length / MOST_POINTS))[:, :2]
+        first = self._alternative(curve)
+        is_asked = self._request.alternatives > 1
         return replace(
             plan,
-            clearance=clearance_of(self._task.given, fine),
-            gap=None if known is None else self._task.frame.factor * curve.length / known[0] - 1.0,
-            costs=costs_of(self._map, curve, self._weights),
+            clearance=first.clearance,
+            gap=None if known is None else task.frame.factor * curve.length / known[0] - 1.0,
+            costs=first.costs,
+            switched=None
+            if self._before is None
+            else self._corridors.corridors.differ(self._before, self._corridors.path_of(curve)),
+            alternatives=(first, *map(self._alternative, others.curves)) if is_asked else (),
+            undrivable=tuple(task.for_user(task.frame.to_map(path)) for path in others.shut),
+        )
+
+    def _alternative(self, curve: Curve) -> Alternative:
+        """Return a curve with what is measured of it."""
+        fine = curve.sampled(max(FINE * curve.turning_radius, curve.length / MOST_POINTS))[:, :2]
+        return Alternative(
+            self._task.for_user(self._path_of(curve)),
+            curve.length,
+            clearance_of(self._task.given, fine),
+            costs_of(self._map, curve, self._weights),
+            curve,
         )
 
     def _plan(self, curve: Curve, stopped: bool) -> Plan:
@@ -118,7 +169,7 @@ class DriveRun:
             self.evaluations,
             time.monotonic() - self._began,
             None,
-            FOUND_BY,
+            improvements[-1].found_by,
             stopped,
             tuple(replace(one, path=task.for_user(one.path)) for one in improvements),
             task.projection,
@@ -126,16 +177,28 @@ class DriveRun:
             curve=curve,
         )
 
-    def _keep(self, curve: Curve) -> None:
+    def _path_of(self, curve: Curve) -> Floats:
+        """Return the points of a curve in map units, (k, 2), with exact ends."""
         path = curve.poses[:, :2].copy()
         path[0], path[-1] = self._task.given.start, self._task.given.target
-        self.improvements.append(Improvement(time.monotonic() - self._began, path, curve.length, FOUND_BY))
+        return path
+
+    def _keep(self, curve: Curve, found_by: str) -> None:
+        path = self._path_of(curve)
+        self.improvements.append(Improvement(time.monotonic() - self._began, path, curve.length, found_by))
         self._best = curve
 
     def _is_over(self) -> bool:
-        most = self._request.max_evaluations
+        return time.monotonic() >= self._limit or self._is_stopped()
+
+    def _is_enough(self) -> bool:
+        """Return whether the search for the best curve shall end."""
+        request = self._request
+        most = request.max_evaluations
         is_spent = most is not None and self._best is not None and self.evaluations >= most
-        return is_spent or time.monotonic() >= self._limit or self._is_stopped()
+        if request.max_seconds is not None and (request.alternatives > 1 or self._before is not None):
+            is_spent |= time.monotonic() >= self._began + FIRST_SHARE * request.max_seconds
+        return is_spent or self._is_over()
 
     def _require_room(self) -> None:
         """Raise an error if an end is closer to an obstacle than curves may be."""

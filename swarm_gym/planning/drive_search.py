@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.planning.curve import Curve
+from swarm_gym.planning.curves.field import Field
 from swarm_gym.planning.curves.guide import guide_to
 from swarm_gym.planning.curves.search import (
     BEST_NODE,
@@ -63,6 +64,7 @@ FIRST = Effort(1.5, 0, 1.0, 48, 150_000, 1.5)
 SECOND = Effort(1.1, 20_000, 1.0, 72, 400_000, 1.5)
 THIRD = Effort(1.0, 100_000, 1.0, 72, 600_000, 1.5)  # where there is a limit of time
 FINER = Effort(1.5, 0, 2.0, 96, 600_000, math.inf)
+FIRSTS = (FIRST, FINER)  # until there is a curve
 QUICK = Effort(2.0, 0, 1.0, 48, 60_000, math.inf)  # for what would be possible with other limits
 
 
@@ -90,7 +92,14 @@ class DriveSearch:
         evaluations: nodes that were expanded and parts that were tried, so far.
     """
 
-    def __init__(self, drive_map: DriveMap, driving: Driving, bending: float, seed: int = 0):
+    def __init__(
+        self,
+        drive_map: DriveMap,
+        driving: Driving,
+        bending: float,
+        seed: int = 0,
+        field: Field | None = None,
+    ):
         """Take what is planned.
 
         Args:
@@ -98,8 +107,10 @@ class DriveSearch:
             driving: limits of the robot.
             bending: weight of curvature.
             seed: seed of the draws of local improvements.
+            field: obstacles and costs that count instead of those of the map, such as with walls.
         """
         self._map, self._driving = drive_map, driving
+        self._field = drive_map.field if field is None else field
         radius = driving.radius / drive_map.unit
         self._limits = Limits(radius, driving.reverses, bending, CHANGE * radius)
         self._stream = seed_stream(np.random.SeedSequence(seed))
@@ -107,14 +118,17 @@ class DriveSearch:
         self.evaluations = 0
         self._guides: dict[float, Floats] = {}
 
-    def curves(self, is_over: Callable[[], bool], is_timed: bool) -> Iterator[Curve]:
+    def curves(
+        self, is_over: Callable[[], bool], is_timed: bool, firsts: tuple[Effort, ...] = FIRSTS
+    ) -> Iterator[Curve]:
         """Yield curves, each of which costs less than those before; none if no curve was found.
 
         Args:
             is_over: whether planning shall end.
             is_timed: whether there is a limit of time; then one more search follows.
+            firsts: sizes of searches by turns, until one finds a curve.
         """
-        best = self._first(is_over)
+        best = self._first(firsts, is_over)
         if best is None:
             return
         yield self._curve(best)
@@ -132,7 +146,7 @@ class DriveSearch:
 
     def search(self, effort: Effort, is_over: Callable[[], bool]) -> Search:
         """Return a search after it has ended."""
-        field, driving = self._map.field, self._driving
+        field, driving = self._field, self._driving
         radius = self._limits.radius
         cell = min(max(radius / 4.0, SMALLEST_CELL), max(LARGEST_CELL, radius / 16.0)) / effort.finer
         search = make_search(effort.nodes, cell, effort.headings, 1.5 * cell, effort.weight)
@@ -152,8 +166,8 @@ class DriveSearch:
         is_shut = search.counts[WAITING] == 0 and search.counts[NODES] < 60_000 and not is_over()
         return float(search.numbers[FARTHEST]) * self._map.unit if is_shut else math.inf
 
-    def _first(self, is_over: Callable[[], bool]) -> Chain | None:
-        for effort in (FIRST, FINER):
+    def _first(self, firsts: tuple[Effort, ...], is_over: Callable[[], bool]) -> Chain | None:
+        for effort in firsts:
             chain = self._chain(self.search(effort, is_over))
             if chain is not None or is_over():
                 return chain
@@ -180,12 +194,12 @@ class DriveSearch:
         for _ in range(rounds):
             if is_over():
                 break
-            shorten(self._map.field, self._limits, chain, *ends, self._stream, TRIALS)
+            shorten(self._field, self._limits, chain, *ends, self._stream, TRIALS)
             self.evaluations += TRIALS
 
     def _guide(self, beyond: float) -> Floats:
         if beyond not in self._guides:
-            self._guides[beyond] = guide_to(self._map.field, self._ends[1], self._ends[0], beyond)
+            self._guides[beyond] = guide_to(self._field, self._ends[1], self._ends[0], beyond)
         return self._guides[beyond]
 
     def _starts(self) -> Floats:
@@ -203,7 +217,7 @@ class DriveSearch:
         if search.counts[BEST_NODE] < 0:
             return None
         pose, pieces = found(search)
-        return None if len(pieces) >= MOST_PIECES else chain_of(self._map.field, self._limits, pose, pieces)
+        return None if len(pieces) >= MOST_PIECES else chain_of(self._field, self._limits, pose, pieces)
 
     def _curve(self, chain: Chain) -> Curve:
         """Return the curve of a chain, in map units."""

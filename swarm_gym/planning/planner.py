@@ -43,6 +43,7 @@ def plan(
     start_heading: float | None = None,
     goal_heading: float | None = None,
     reverse: bool = False,
+    curvature_rate: float | None = None,
 ) -> Plan:
     """Return a short free path from start to goal.
 
@@ -97,6 +98,8 @@ def plan(
             for any.
         goal_heading: heading at the goal in degrees; None for any.
         reverse: whether the robot may also drive backwards.
+        curvature_rate: greatest change of the curve's curvature over its length, in 1 / map unit squared;
+            None if curvature may jump between arcs.
 
     Raises:
         ScenarioError: for a map, start or goal that is invalid.
@@ -123,6 +126,7 @@ def plan(
         start_heading,
         goal_heading,
         reverse,
+        curvature_rate,
     )
     grading = Grading(unknown, lethal, terrain)
     began = time.monotonic()

@@ -51,6 +51,7 @@ class Planner:
         switch_margin: float = SWITCH_MARGIN,
         turning_radius: float | None = None,
         reverse: bool = False,
+        curvature_rate: float | None = None,
     ):
         """Read the map, load the kernels and prepare the exact planner; arguments as in `swarm_gym.plan`.
 
@@ -68,7 +69,10 @@ class Planner:
         self._workspace, self._coordinates = workspace, coordinates
         self._wishes, self._switch_margin = wishes, switch_margin
         self._turning_radius, self._reverse = turning_radius, reverse
-        Request(wishes=wishes, turning_radius=turning_radius, reverse=reverse)  # checks the values
+        self._curvature_rate = curvature_rate
+        Request(  # checks the values
+            wishes=wishes, turning_radius=turning_radius, reverse=reverse, curvature_rate=curvature_rate
+        )
         self._stops: set[threading.Event] = set()
         self._lock = threading.Lock()
         self._of_files = grading = Grading(unknown, lethal, terrain)
@@ -99,6 +103,7 @@ class Planner:
             switch_margin=self._switch_margin,
             turning_radius=self._turning_radius,
             reverse=self._reverse,
+            curvature_rate=self._curvature_rate,
         )
 
     def plan(
@@ -159,6 +164,7 @@ class Planner:
             start_heading,
             goal_heading,
             self._reverse,
+            self._curvature_rate,
         )
         if cancel is not None and not isinstance(cancel, threading.Event):
             raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
@@ -266,13 +272,12 @@ def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
 def _load_kernels(is_on_cells: bool, has_margin: bool, drives: bool) -> None:
     """Plan on a tiny map, once in a process, so that later calls find all kernels loaded."""
     task = read_task(_tiny_cells() if is_on_cells else _tiny_obstacles(), None, None, 0.4 * has_margin)
-    if drives:
-        DriveRun(task, Request(turning_radius=0.5), time.monotonic(), lambda: False).run()
-        return
-    first = PlanningRun(task, Request(alternatives=2), time.monotonic(), lambda: False).run()
-    other = first.alternatives[-1].path
-    again = Request(previous=other, switch_margin=1.0)
-    PlanningRun(task, again, time.monotonic(), lambda: False).run()
+    kind: type[PlanningRun] | type[DriveRun] = DriveRun if drives else PlanningRun
+    radius = 0.5 if drives else None
+    request = Request(alternatives=2, turning_radius=radius)
+    other = kind(task, request, time.monotonic(), lambda: False).run().alternatives[-1].path
+    again = Request(previous=other, switch_margin=1.0, turning_radius=radius)
+    kind(task, again, time.monotonic(), lambda: False).run()
 
 
 def _tiny_cells() -> GridScenario:

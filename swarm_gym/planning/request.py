@@ -38,6 +38,7 @@ class Request:
     start_heading: float | None = None
     goal_heading: float | None = None
     reverse: bool = False
+    curvature_rate: float | None = None
 
     def __post_init__(self) -> None:
         require_integer("seed", self.seed, 0, 2**31)
@@ -73,6 +74,9 @@ class Request:
             raise SettingError(f"reverse must be True or False, got {shown(self.reverse)}")
         if self.reverse:
             self._require_radius("reverse", self.reverse)
+        if self.curvature_rate is not None:
+            require_number("curvature_rate", self.curvature_rate, 1e-12, 1e12)
+            self._require_radius("curvature_rate", self.curvature_rate)
         if self.wishes and self.wishes.get("curvature"):
             self._require_radius("wishes: weight of curvature", self.wishes["curvature"])
         if self.turning_radius is None:
@@ -82,9 +86,6 @@ class Request:
             raise SettingError(
                 "turning_radius: swarms find polylines; leave it out, or planner, optimizer and controller"
             )
-        if self.alternatives > 1 or self.previous is not None:
-            name = "previous" if self.previous is not None else "alternatives"
-            raise SettingError(f"{name}: curves with a turning_radius have none yet; leave one of them out")
 
     def _require_radius(self, name: str, value: object) -> None:
         if self.turning_radius is None:

@@ -57,6 +57,9 @@ class Plan:
         switched: whether an obstacle lies between the path and the previous one; None without one.
         alternatives: paths of which no two lead through the same corridor, this one first; empty unless more
             than one was asked for.
+        curve: the path as a curve that can be driven; None without a turning radius.
+        undrivable: paths that turn on the spot, (k, 2) each, through corridors in which no curve was found
+            for `alternatives`; empty without a turning radius.
     """
 
     map: MapScenario
@@ -74,8 +77,13 @@ class Plan:
     switched: bool | None = None
     alternatives: tuple[Alternative, ...] = ()
     curve: Curve | None = None
+    undrivable: tuple[Floats, ...] = ()
 
     @property
     def path_on_map(self) -> Floats:
         """The path in map units, (k, 2): that of `path`, or in metres for longitude and latitude."""
-        return self.path if self.projection is None else self.projection.to_metres(self.path)
+        return self.on_map(self.path)
+
+    def on_map(self, path: Floats) -> Floats:
+        """Return a path in the coordinates of the map's file in map units, both (k, 2)."""
+        return path if self.projection is None else self.projection.to_metres(path)

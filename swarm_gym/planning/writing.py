@@ -47,6 +47,7 @@ def _each(plan: Plan) -> list[Plan]:
             costs=one.costs,
             found_by=plan.found_by if number == 0 else "alternative",
             alternatives=(),
+            curve=one.curve,
         )
         for number, one in enumerate(plan.alternatives)
     ]

@@ -221,10 +221,9 @@ def test_more_work_never_costs_more():
         ),
         ({"turning_radius": 1.0, "wishes": {"ground": 1.0}}, "has no costs of ground"),
         (
-            {"turning_radius": 1.0, "alternatives": 2},
-            "alternatives: curves with a turning_radius have none yet",
+            {"turning_radius": 1.0, "previous": [(0, 0), (1, 1)]},
+            "previous: expected a path that starts at",
         ),
-        ({"turning_radius": 1.0, "previous": [(0, 0), (1, 1)]}, "previous: curves with a turning_radius"),
         ({"turning_radius": 1.0, "planner": "swarm"}, "turning_radius: swarms find polylines"),
         ({"start_heading": 90.0}, "start_heading 90.0: expected a turning_radius, too"),
         ({"reverse": True}, "reverse True: expected a turning_radius, too"),
