@@ -31,7 +31,8 @@ def write_curves(folder: Path, output: Path, steps: int, paper: float, base: flo
         axes = figure.subplots(1, 2, sharey=True)
         scratch = [name for name, recipe in RECIPES.items() if recipe.kind == "from scratch"]
         _draw(axes[0], folder, scratch, steps)
-        _draw(axes[1], folder, [name for name in RECIPES if name not in scratch], steps)
+        others = [name for name, recipe in RECIPES.items() if not recipe.kind.startswith("from scratch")]
+        _draw(axes[1], folder, others, steps)
         for one, title in zip(axes, ("from scratch", "residual, and with sources"), strict=True):
             one.axhline(paper, color=BLACK, lw=1, ls=":", label="SPSFA-TIP")
             one.axhline(base, color=BLACK, lw=1, ls="--", label="base")

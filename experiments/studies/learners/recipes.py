@@ -44,7 +44,7 @@ class Recipe:
         algorithm: a key of `ALGORITHMS`.
         options: options of the algorithm that differ from the library's.
         env: options of `make_vec` that differ from its own.
-        kind: how it learns: "from scratch", "with sources", or "residual", perhaps with its base.
+        kind: how it learns: "from scratch", `DEFAULTS`, "with sources", or "residual", perhaps with its base.
         scales_rewards: whether `VecNormalize` of the library scales rewards in the training.
     """
 
@@ -81,6 +81,7 @@ SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 LEAST_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -3.0}}
 # With a discount, evaluations that lie ahead weigh less than they cost.
 DEARER = {"price": 0.25}
+DEFAULTS = "from scratch, by defaults"  # of the library and of `make_vec`
 AT_THE_END = {"reward": "optimality", "price": 1.0}
 RULES = {"base": "spsfa-tip"}
 # Where that base ends, one per cent of the optimum is about 0.15 of log(gap); near the optimum about 0.2.
@@ -90,6 +91,8 @@ TUNED_SOURCES = {"base": "open-loop:three-cases-sourced/0@1", "price": 0.2}
 
 RECIPES: dict[str, Recipe] = {
     "ppo": Recipe("PPO", ON_POLICY),
+    **{f"{name.lower()}-defaults": Recipe(name, kind=DEFAULTS) for name in ("PPO", "SAC", "TD3")},
+    "dqn-defaults": Recipe("DQN", env={"choices": (7, 5)}, kind=DEFAULTS),
     "ppo-optimality": Recipe("PPO", ON_POLICY, AT_THE_END),
     "ppo-residual": Recipe("PPO", {**CALM, **SMALL_NOISE}, TUNED, "residual"),
     "ppo-residual-rules": Recipe("PPO", {**CALM, **SMALL_NOISE}, RULES, "residual on SPSFA-TIP"),
