@@ -156,6 +156,9 @@ ONE_MAX_TABLES: Mapping[str, Block] = {
     name: partial(ResultsFolder.text, name=f"{name}.md")
     for name in ("valley", "counting", "simulations", "speed")
 }
+LEARNERS_TABLES: Mapping[str, Block] = {
+    name: partial(ResultsFolder.text, name=f"{name}.md") for name in ("recipes", "reached-1000000")
+}
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
     "controlled-swarms": partial(_over_terrain, "terrain/control/metabox-in-short", BESIDE_CONTROL),
@@ -173,7 +176,10 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     ),
     **catalogue.DOCUMENTS,
     "layouts": (Document(Path("docs/layouts.md"), "", "", blocks=LAYOUT_BLOCKS),),
-    "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
+    "learners": (
+        Document(Path("docs/learners.md"), "learners", "learners"),
+        Document(Path("docs/learners-tables.md"), "learners", "", blocks=LEARNERS_TABLES),
+    ),
     "known-optimum": (
         Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
         Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),

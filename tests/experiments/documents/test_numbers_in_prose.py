@@ -25,8 +25,8 @@ PAGES = {
     "docs/terrain-scenarios.md": (),
     "docs/bbob.md": (),
     "docs/known-optimum.md": ("docs/known-optimum-tables.md",),
+    "docs/learners.md": ("docs/learners-tables.md",),
     "docs/strong-optimizers.md": (),
-    "docs/learners.md": (),
 }
 # Numbers that are no results: seeds, steps of trainings and tunings, values of options; two that were
 # measured on training seeds while a recipe was chosen; and the largest difference to a published cost.
