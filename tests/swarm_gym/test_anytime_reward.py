@@ -61,7 +61,7 @@ def test_gaps_below_the_least_one_count_as_that():
 
 def test_swarms_of_a_vector_are_paid_for_their_own_iterations():
     swarms = SwarmVectorEnv(
-        3, "differential-evolution", scenario="function:rastrigin-10", iterations=30, reward="anytime",
+        3, "differential-evolution", scenario="metabox-bbob:3-10", iterations=30, reward="anytime",
         max_evaluations=600, initial_population_size=20, autoreset_mode="Disabled",
     )  # fmt: skip
     swarms.reset(seed=2)
