@@ -113,6 +113,7 @@ class Kind(NamedTuple):
     defaults: tuple[tuple[str, object], ...] = ()
 
 
+_OF_PATHS_OVER_CELLS = ("penalty", "distance_weight", "clearance", "final_repair")
 KINDS: dict[type, Kind] = {
     Scenario: Kind(
         "analytic maps",
@@ -125,22 +126,8 @@ KINDS: dict[type, Kind] = {
     GridScenario: Kind(
         "grid maps",
         {
-            "waypoints": (
-                "encoding",
-                "num_waypoints",
-                "penalty",
-                "distance_weight",
-                "clearance",
-                "final_repair",
-            ),
-            "bezier": (
-                "encoding",
-                "num_control_points",
-                "penalty",
-                "distance_weight",
-                "clearance",
-                "final_repair",
-            ),
+            "waypoints": ("encoding", "num_waypoints", *_OF_PATHS_OVER_CELLS),
+            "bezier": ("encoding", "num_control_points", *_OF_PATHS_OVER_CELLS),
             "walk": ("encoding", "penalty", "clearance", "final_repair"),
         },
         sourced=("waypoints", "bezier"),

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.planning.cell_runs import Runs
 from swarm_gym.planning.corridor_map import CorridorMap, steps_along
 from swarm_gym.scenarios import GridMap, GridScenario
 
@@ -55,11 +56,10 @@ def _walls(cells: GridScenario, steps: Integers, posts: Floats) -> Walls | None:
     sides, is_reached = labels
     flat = is_reached[:-1] & is_reached[1:] & (sides[1:] != sides[:-1] + passed[:-1])
     upright = is_reached[:, :-1] & is_reached[:, 1:] & (sides[:, 1:] != sides[:, :-1])
-    rows, begins, ends = _runs(flat)
-    columns, firsts, lasts = _runs(upright.T)
+    across, along = Runs.of(~flat), Runs.of(~upright.T)
     lines = [
-        np.stack([begins - 0.5, rows + 0.5, ends - 0.5, rows + 0.5], axis=-1),
-        np.stack([columns + 0.5, firsts - 0.5, columns + 0.5, lasts - 0.5], axis=-1),
+        np.stack([across.first - 0.5, across.row + 0.5, across.last + 0.5, across.row + 0.5], axis=-1),
+        np.stack([along.row + 0.5, along.first - 0.5, along.row + 0.5, along.last + 0.5], axis=-1),
     ]
     # Corner (column, row) is where the cells (column - 1, row - 1) and (column, row) meet.
     is_corner = np.zeros((grid.height + 1, grid.width + 1), dtype=np.bool_)
@@ -134,11 +134,3 @@ def _labels(blocked: Flags, steps: Integers, passed: Integers) -> tuple[Integers
         is_reached[front] = True
     inner = (slice(1, -1), slice(1, -1))
     return sides.reshape(height, width)[inner], is_reached.reshape(height, width)[inner]
-
-
-def _runs(flags: Flags) -> tuple[Integers, Integers, Integers]:
-    """Return row, first column and column behind the last of each run of true values."""
-    change = np.diff(np.pad(flags, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    rows, begins = np.nonzero(change == 1)
-    _, ends = np.nonzero(change == -1)
-    return rows, begins, ends

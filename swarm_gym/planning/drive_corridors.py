@@ -56,10 +56,7 @@ class DriveCorridors:
 
     def path_of(self, curve: Curve) -> Floats:
         """Return the points of a curve in the frame of the task, (k, 2)."""
-        task = self.drive_map.task
-        points = curve.poses[:, :2].copy()
-        points[0], points[-1] = task.given.start, task.given.target
-        return task.frame.to_frame(points)
+        return self.drive_map.task.frame.to_frame(self.drive_map.path_of(curve))
 
     def differ(self, curve: Curve, other: Curve) -> bool:
         """Return whether an obstacle lies between two curves."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from swarm_gym.planning.curve import Curve
 from swarm_gym.planning.curves.field import REACH, SLACK, Field, Integers, entries_of, nearest
 from swarm_gym.planning.tasks import Task
 from swarm_gym.problem.grid.nearness import nearness
@@ -146,6 +147,12 @@ class DriveMap:
         return field._replace(
             capsules=capsules, first=first, entries=entries, apart=apart, margin=margin, reach=reach
         )
+
+    def path_of(self, curve: Curve) -> Floats:
+        """Return the points of a curve of the task in map units, (k, 2), with exact ends."""
+        path = curve.poses[:, :2].copy()
+        path[0], path[-1] = self.task.given.start, self.task.given.target
+        return path
 
     def nearness_at(self, points: Floats) -> Floats:
         """Return the cost of nearness at points in map units, (n, 2)."""

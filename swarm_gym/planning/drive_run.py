@@ -152,7 +152,7 @@ class DriveRun:
         """Return a curve with what is measured of it."""
         fine = curve.sampled(max(FINE * curve.turning_radius, curve.length / MOST_POINTS))[:, :2]
         return Alternative(
-            self._task.for_user(self._path_of(curve)),
+            self._task.for_user(self._map.path_of(curve)),
             curve.length,
             clearance_of(self._task.given, fine),
             costs_of(self._map, curve, self._weights),
@@ -177,14 +177,8 @@ class DriveRun:
             curve=curve,
         )
 
-    def _path_of(self, curve: Curve) -> Floats:
-        """Return the points of a curve in map units, (k, 2), with exact ends."""
-        path = curve.poses[:, :2].copy()
-        path[0], path[-1] = self._task.given.start, self._task.given.target
-        return path
-
     def _keep(self, curve: Curve, found_by: str) -> None:
-        path = self._path_of(curve)
+        path = self._map.path_of(curve)
         self.improvements.append(Improvement(time.monotonic() - self._began, path, curve.length, found_by))
         self._best = curve
 

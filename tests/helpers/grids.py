@@ -3,6 +3,7 @@
 import numpy as np
 import shapely
 from hypothesis import strategies as st
+from scipy import ndimage
 
 from swarm_gym.problem import WalkProblem
 from swarm_gym.scenarios import GridMap, GridScenario
@@ -23,6 +24,27 @@ def area_of(cells):
     """Return the area, in cells, of those that are True."""
     rows, columns = np.nonzero(cells)
     return shapely.union_all(shapely.box(columns - 0.5, rows - 0.5, columns + 0.5, rows + 0.5))
+
+
+def posts_of(blocked):
+    """Return a cell (column, row) of each obstacle, by scipy's own labels."""
+    labels, number = ndimage.label(blocked, np.ones((3, 3)))
+    return [tuple(np.argwhere(labels == k)[0][::-1].tolist()) for k in range(1, number + 1)]
+
+
+def points_in_obstacles(scenario):
+    """Return a point (x, y) in each obstacle of a map of cells."""
+    cells = np.array(posts_of(scenario.map.blocked))
+    return [tuple(point) for point in scenario.map.to_map(cells).tolist()]
+
+
+def random_blocks(rng, height, width, count):
+    """Return cells with rectangles that are blocked, apart from the border."""
+    blocked = np.zeros((height, width), dtype=bool)
+    for _ in range(count):
+        row, column = rng.integers(1, height - 4), rng.integers(2, width - 5)
+        blocked[row : row + rng.integers(1, 4), column : column + rng.integers(1, 4)] = True
+    return blocked
 
 
 def drawn_problem(*rows, start, target, **geometry):

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from scipy import ndimage
 
-from helpers.grids import area_of, grid
+from helpers.grids import area_of, grid, points_in_obstacles, posts_of, random_blocks
 from helpers.plans import obstacles_of
 from oracles import naive_alternatives
 from swarm_gym.errors import SettingError
@@ -19,12 +18,6 @@ from swarm_gym.planning import plan
 from swarm_gym.planning.corridor_search import meets_itself, shortest_by_corridor
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario
-
-
-def posts_of(blocked):
-    """Return a cell (column, row) of each obstacle, by scipy's own labels."""
-    labels, number = ndimage.label(blocked, np.ones((3, 3)))
-    return [tuple(np.argwhere(labels == k)[0][::-1].tolist()) for k in range(1, number + 1)]
 
 
 def assert_apart(paths, posts):
@@ -96,10 +89,7 @@ def length(path):
 @pytest.mark.parametrize("seed", range(6))
 def test_small_maps_have_exactly_the_corridors_that_an_oracle_finds(seed):
     rng = np.random.default_rng(seed)
-    blocked = np.zeros((12, 16), dtype=bool)
-    for _ in range(3):
-        row, column = rng.integers(1, 8), rng.integers(2, 11)
-        blocked[row : row + rng.integers(1, 4), column : column + rng.integers(1, 4)] = True
+    blocked = random_blocks(rng, 12, 16, 3)
     start, goal = (0.0, rng.integers(0, 23) / 2.0), (15.0, rng.integers(0, 23) / 2.0)
     scenario = GridScenario("small", GridMap("small", blocked), start, goal)
     posts, longest = posts_of(blocked), 1.8 * shortest_path(scenario)[0]
@@ -131,7 +121,7 @@ def test_alternatives_are_free_and_apart_for_robots_too(name, radius):
         assert line.distance(blocked) >= radius - 1e-6
         assert one.clearance == pytest.approx(line.distance(blocked), abs=1e-6)
         assert one.length == pytest.approx(line.length)
-    posts = [tuple(post) for post in found.map.map.to_map(posts_of(found.map.map.blocked)).tolist()]
+    posts = points_in_obstacles(found.map)
     assert_apart([one.path for one in found.alternatives], posts)
     assert found.length == min(one.length for one in found.alternatives)
 

@@ -75,7 +75,9 @@ NOISE_OF_TD3 = 0.2
 # Where the first policy is good already, few and large batches change it less by chance.
 CALM: dict[str, Any] = {**ON_POLICY, "batch_size": 400, "n_epochs": 5}
 # An LSTM is trained step by step, so few batches are fast.
-WHOLE_ROLLOUTS: dict[str, Any] = {**ON_POLICY, "batch_size": 1600, "policy_kwargs": {"lstm_hidden_size": 64}}
+WHOLE_ROLLOUTS: dict[str, Any] = {
+    **ON_POLICY, "batch_size": NUM_SWARMS * ON_POLICY["n_steps"], "policy_kwargs": {"lstm_hidden_size": 64},
+}  # fmt: skip
 # The library's noise, exp(0), undoes what a base or the first policy does well.
 SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 LEAST_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -3.0}}

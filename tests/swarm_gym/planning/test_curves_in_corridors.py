@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 from numba.core import event
-from scipy import ndimage
 
+from helpers.grids import points_in_obstacles, random_blocks
 from oracles import naive_alternatives
 from oracles.driven_curves import assert_drivable
 from swarm_gym.errors import NoPathError, SettingError
@@ -43,13 +43,6 @@ def wall(*doors, size=3, thick=0):
 
 def row_at_wall(path):
     return float(np.interp(WALL, path[:, 0], path[:, 1]))
-
-
-def posts_of(scenario):
-    """Return a point in each obstacle, by scipy's own labels."""
-    labels, number = ndimage.label(scenario.map.blocked, np.ones((3, 3)))
-    cells = [np.argwhere(labels == k)[0][::-1] for k in range(1, number + 1)]
-    return [tuple(point) for point in scenario.map.to_map(np.array(cells)).tolist()]
 
 
 def assert_each_drivable(found, robot_radius, step, **ends):
@@ -140,7 +133,7 @@ def test_alternatives_on_generated_maps_are_drivable_and_apart(where, radius, tu
     found = plan(where, robot_radius=radius, turning_radius=turning_radius, alternatives=4, reverse=reverse)
     assert len(found.alternatives) == 4
     assert_each_drivable(found, radius, step, reverses=reverse)
-    posts = posts_of(found.map)
+    posts = points_in_obstacles(found.map)
     for one, other in itertools.combinations(found.alternatives, 2):
         assert any(naive_alternatives.sides_between(one.path, other.path, posts))
 
@@ -151,7 +144,7 @@ def test_all_ways_through_a_lattice_of_corridors_are_driven():
     for row, column in itertools.product((4, 22), (4, 22)):
         blocked[row : row + 14, column : column + 14] = True
     scenario = GridScenario("streets", GridMap("streets", blocked), (1.0, 19.5), (38.0, 19.5))
-    posts = posts_of(scenario)
+    posts = points_in_obstacles(scenario)
     expected = [one.path for one in plan(scenario, alternatives=9).alternatives]
     found = plan(scenario, alternatives=9, robot_radius=0.3, turning_radius=1.0)
     assert_each_drivable(found, 0.3, 0.01)
@@ -167,15 +160,12 @@ def test_all_ways_through_a_lattice_of_corridors_are_driven():
 def test_walls_leave_the_sides_of_one_path(seed):
     """A path that meets no wall passes all obstacles as the path does for which the walls stand."""
     rng = np.random.default_rng(seed)
-    blocked = np.zeros((14, 18), dtype=bool)
-    for _ in range(4):
-        row, column = rng.integers(1, 10), rng.integers(2, 13)
-        blocked[row : row + rng.integers(1, 4), column : column + rng.integers(1, 4)] = True
+    blocked = random_blocks(rng, 14, 18, 4)
     scenario = GridScenario("small", GridMap("small", blocked), (0.0, 6.0), (17.0, 7.0))
     corridors = CorridorMap(read_task(scenario, None, None, 0.0))
     paths = list(itertools.islice(shortest_by_corridor(scenario, never), 12))
     assert len(paths) > 3
-    posts, met = posts_of(scenario), 0
+    posts, met = points_in_obstacles(scenario), 0
     for path in paths:
         walls = walls_around(corridors, path)
         if walls is None:  # the path comes back to one of its cells
