@@ -5,30 +5,16 @@ refuses to allocate one in it; here, it is also refused to return one, and to ca
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numba.core import ir, types
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, register_pass
-from numba.core.typed_passes import NopythonTypeInference
-
-if TYPE_CHECKING:
-    from numba.core.compiler_machinery import PassManager
-
-
-class CheckedCompiler(CompilerBase):
-    """Numba's compiler, with the check as soon as all types are known."""
-
-    def define_pipelines(self) -> "list[PassManager]":
-        """Return Numba's passes, and the check among them."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_CheckBorrowing, NopythonTypeInference)
-        passes.finalize()
-        return [passes]
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class _CheckBorrowing(AnalysisPass):
+class CheckBorrowing(AnalysisPass):
+    """The check, for when all types are known."""
+
     _name = "swarm_gym_check_borrowing"
 
     def __init__(self) -> None:

@@ -2,17 +2,23 @@
 
 import typing
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numba
 import numpy as np
 from numba import types
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import NopythonTypeInference
 from numba.extending import overload
 
-from swarm_gym.compiler.borrowing import CheckedCompiler
+from swarm_gym.compiler.borrowing import CheckBorrowing
 from swarm_gym.compiler.cache import KernelCache
+from swarm_gym.compiler.linked_code import LinkedCode
 from swarm_gym.compiler.own_sources import has_file, tell_apart
+
+if TYPE_CHECKING:
+    from numba.core.compiler_machinery import PassManager
 
 Function = TypeVar("Function", bound=Callable[..., object])
 Result = TypeVar("Result")
@@ -44,14 +50,14 @@ def kernel(
     """Compile a function, as `entry` does, that only compiled functions call; Python calls it uncompiled.
 
     The code by which Python would call it is not compiled: half the time of a small kernel with many arrays.
+    What is compiled is only linked into entries, see `linked_code`.
 
     Args:
         function: the function; without it, a decorator with these options is returned.
         inline: when it is copied into its callers. "late": by LLVM, while they are optimised; for what runs
             once per move or oftener, since a call passes every array of a NamedTuple on the stack, which
             costs more than a small kernel does. "early": by Numba, before they are compiled; for large
-            kernels with one caller or two, since code is optimised anew at each level of calls. None: LLVM
-            decides.
+            kernels with one caller or two, which then take less time to compile. None: LLVM decides.
         borrows: whether it only borrows arrays from its callers, so that references to them are not counted.
             Where the last use of an array depends on a branch, Numba counts it while the kernel runs,
             atomically, and a NamedTuple array by array: that took a fish more time than all its arithmetic.
@@ -95,10 +101,23 @@ def kernel_by_class(kernels: Mapping[type, Callable[..., Result]]) -> Callable[.
             "forceinline": True,
             "error_model": "numpy",
             "_nrt": counted,
-            "pipeline_class": CheckedCompiler,
+            "pipeline_class": _Compiler,
         }
         overload(call, strict=False, jit_options=options)(choose(counted))
     return call
+
+
+class _Compiler(CompilerBase):
+    """Numba's compiler, with a check of what borrows, and with kernels that are only linked."""
+
+    def define_pipelines(self) -> "list[PassManager]":
+        if self.state.flags.no_cpython_wrapper and self.state.library is None:
+            codegen = self.state.targetctx.codegen()
+            self.state.library = LinkedCode.of(codegen, self.state.func_id.func_qualname)
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(CheckBorrowing, NopythonTypeInference)
+        passes.finalize()
+        return [passes]
 
 
 class _Dispatcher(CPUDispatcher):
@@ -127,7 +146,7 @@ def _compile(function: Function, kind: type[_Dispatcher], **options: Any) -> Fun
     options = {"_nrt": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **options}
     plain: Any = function
     tell_apart(plain)
-    dispatcher = numba.njit(pipeline_class=CheckedCompiler, **options)(function)
+    dispatcher = numba.njit(pipeline_class=_Compiler, **options)(function)
     dispatcher.__class__ = kind
     if has_file(plain):  # what is typed in is compiled in each process, see `own_sources`
         dispatcher._cache = KernelCache(function, options)

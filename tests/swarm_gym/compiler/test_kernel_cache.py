@@ -55,6 +55,19 @@ def test_what_is_damaged_is_compiled_anew_and_kept(folder, caplog, suffix, left)
     assert str(folder) in warning.message
 
 
+def test_only_entries_become_machine_code(folder):
+    called = kernel(doubled)
+
+    @entry
+    def calling(x):
+        return called(x) + 1
+
+    assert calling(21) == 43
+    (of_kernel,), (of_entry,) = called.inspect_asm().values(), calling.inspect_asm().values()
+    assert "@function" in of_entry
+    assert "@function" not in of_kernel
+
+
 def test_code_of_other_options_is_not_reused(folder):
     assert compiled() == 0
     for decorate, hits in ((kernel, 0), (kernel(inline="late"), 0), (kernel, 1)):

@@ -15,17 +15,20 @@ import numba
 import pytest
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.cpu import CPUTargetOptions
+from numba.core.registry import cpu_target
 
 import swarm_gym
 from helpers.loops import looped
 from swarm_gym.compiler import borrowing, jit
 from swarm_gym.compiler.cache import KernelCache
+from swarm_gym.compiler.linked_code import LinkedCode
 
 PACKAGE = Path(swarm_gym.__file__).parent
 LIBRARIES = ("numba", "llvmlite", "numba_cuda")
 
 # Names that the package imports, or reads from a module that it imports, by the module.
 NAMES = {
+    "llvmlite.binding": {"Linkage.common", "ModuleRef", "parse_assembly"},
     "llvmlite.ir": {"Constant", "DoubleType", "FunctionType", "IntType", "Undefined", "VectorType"},
     "numba": {
         "config.BOUNDSCHECK", "config.DISABLE_JIT", "config.ENABLE_CUDASIM", "config.NUMBA_NUM_THREADS",
@@ -34,7 +37,10 @@ NAMES = {
     "numba.core.caching": {
         "CompileResultCacheImpl", "FunctionCache", "FunctionCache.save_overload", "IndexDataCacheFile",
     },
-    "numba.core.cgutils": {"do_boundscheck", "get_or_insert_function"},
+    "numba.core.cgutils": {
+        "add_global_variable", "do_boundscheck", "get_or_insert_function", "voidptr_t",
+    },
+    "numba.core.codegen": {"JITCodeLibrary"},
     "numba.core.compiler": {"CompilerBase", "DefaultPassBuilder.define_nopython_pipeline"},
     "numba.core.compiler_machinery": {"AnalysisPass", "register_pass"},
     "numba.core.ir": {"Expr"},
@@ -60,6 +66,10 @@ INHERITED = {
     "numba.core.caching.FunctionCache": {
         "_cache_file", "_cache_path", "_impl", "_impl_class", "_index_key", "_py_func", "cache_path", "flush",
         "load_overload", "save_overload",
+    },
+    "numba.core.codegen.JITCodeLibrary": {
+        "_codegen", "_finalize_dynamic_globals", "_finalize_final_module", "_get_module_for_linking",
+        "_optimize_final_module", "_verify_declare_only_symbols", "name",
     },
     "numba.core.compiler.CompilerBase": {"define_pipelines", "state"},
     "numba.core.compiler_machinery.AnalysisPass": {"_name", "run_pass"},
@@ -228,7 +238,9 @@ def test_the_list_names_what_classes_inherit():
         (KernelCache.save_overload, "numba.core.caching.FunctionCache.save_overload"),
         (KernelCache._index_key, "numba.core.caching.FunctionCache._index_key"),
         (jit._Dispatcher.compile, "numba.core.registry.CPUDispatcher.compile"),
-        (borrowing.CheckedCompiler.define_pipelines, "numba.core.compiler.CompilerBase.define_pipelines"),
+        (jit._Compiler.define_pipelines, "numba.core.compiler.CompilerBase.define_pipelines"),
+        (LinkedCode._optimize_final_module, "numba.core.codegen.CPUCodeLibrary._optimize_final_module"),
+        (LinkedCode._finalize_final_module, "numba.core.codegen.CPUCodeLibrary._finalize_final_module"),
     ],
 )
 def test_a_method_has_the_arguments_of_the_one_that_it_overrides(own, base):
@@ -250,6 +262,14 @@ def test_the_attributes_of_caches_exist():
 
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_the_attributes_of_libraries_of_code_exist():
+    library = LinkedCode.of(cpu_target.target_context.codegen(), "doubled")
+    exist(INHERITED["numba.core.codegen.JITCodeLibrary"], library)
+    assert not library._finalized
+    exist({"_create_empty_module"}, library._codegen)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 def test_the_attributes_of_dispatchers_compilers_and_passes_exist():
     states = []
 
@@ -267,7 +287,7 @@ def test_the_attributes_of_dispatchers_compilers_and_passes_exist():
     exist(PASSED["state"], *states)
     assert states[0].flags.nrt in (True, False)
     exist({"contains_nrt_meminfo"}, states[0].targetctx.data_model_manager[numba.types.float64])
-    exist(INHERITED["numba.core.compiler_machinery.AnalysisPass"], borrowing._CheckBorrowing)
+    exist(INHERITED["numba.core.compiler_machinery.AnalysisPass"], borrowing.CheckBorrowing)
 
 
 def test_the_list_names_what_the_package_reads_of_the_objects_that_numba_passes():
