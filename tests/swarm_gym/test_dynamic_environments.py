@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode
 from helpers.builders import is_walker, slow_if_alike
 from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.reference.waypoint_optimum import main
@@ -53,6 +53,9 @@ BUSY_GRID = DynamicScenario(
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": ITERATIONS}
 SEED = 11
 
+# Kernels that evaluate again on cells take seconds to compile; these two remember least and most.
+ON_CELLS = ("firefly", "particle-swarm")
+
 all_optimizers = pytest.mark.parametrize("optimizer", [slow_if_alike(name) for name in OPTIMIZERS])
 
 
@@ -60,17 +63,9 @@ def small(optimizer="firefly", **options):
     return SwarmEnv(optimizer, **{**SMALL, "scenario": BUSY, **options})
 
 
-def on_maps(optimizer):
-    """Return options of environments on the dynamic maps that the optimizer supports; at least one."""
-    found = []
-    for scenario in (BUSY, BUSY_GRID):
-        try:
-            SwarmEnv(optimizer, **SMALL, scenario=scenario)
-        except (SettingError, ScenarioError):
-            continue
-        found.append({"scenario": scenario})
-    assert found
-    return found
+def maps_of(optimizer):
+    """Return the dynamic maps that an optimizer supports."""
+    return [BUSY_GRID] if is_walker(optimizer) else [BUSY, BUSY_GRID]
 
 
 def actions(seed, number=ITERATIONS, optimizer="firefly"):
@@ -170,6 +165,19 @@ def assert_goes_on_alike(env, twin, decisions):
     np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
 
 
+def on_every_map():
+    """Yield each optimizer on its first map, and on maps of cells; most of these are slow."""
+    for name in OPTIMIZERS:
+        first, *cells = maps_of(name)
+        yield slow_if_alike(name, first)
+        for scenario in cells:
+            yield pytest.param(name, scenario, marks=() if name in ON_CELLS else pytest.mark.slow)
+
+
+every_map = pytest.mark.parametrize(
+    ("optimizer", "scenario"), on_every_map(), ids=lambda one: getattr(one, "name", one)
+)
+
 copied = pytest.mark.parametrize(
     "duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"]
 )
@@ -178,45 +186,42 @@ copied = pytest.mark.parametrize(
 # No stale fitness.
 
 
-@all_optimizers
-def test_what_is_stored_is_true_on_the_map_in_force_after_every_step(optimizer):
-    for options in on_maps(optimizer):
-        env = small(optimizer, **options)
-        env.reset(seed=SEED)
-        swarms, worlds = env.simulation.swarms, options["scenario"].worlds
-        for iteration, action in enumerate(actions(SEED, optimizer=optimizer), 1):
-            env.step(action)
-            world = worlds[min(iteration, len(worlds) - 1)].scenario
-            assert env.simulation.problem_of(0).scenario == as_the_optimizer_has_it(optimizer, world)
-            assert_what_is_stored_is_true(optimizer, env.simulation)
-            assert swarms.summary[0, 1] == pytest.approx(swarms.collision[0, : swarms.size[0]].mean())
+@every_map
+def test_what_is_stored_is_true_on_the_map_in_force_after_every_step(optimizer, scenario):
+    env = small(optimizer, scenario=scenario)
+    env.reset(seed=SEED)
+    swarms, worlds = env.simulation.swarms, scenario.worlds
+    for iteration, action in enumerate(actions(SEED, optimizer=optimizer), 1):
+        env.step(action)
+        world = worlds[min(iteration, len(worlds) - 1)].scenario
+        assert env.simulation.problem_of(0).scenario == as_the_optimizer_has_it(optimizer, world)
+        assert_what_is_stored_is_true(optimizer, env.simulation)
+        assert swarms.summary[0, 1] == pytest.approx(swarms.collision[0, : swarms.size[0]].mean())
 
 
-@all_optimizers
-def test_an_event_costs_as_many_evaluations_as_there_is_remembered_and_shows_at_once(optimizer):
-    for options in on_maps(optimizer):
-        base = options["scenario"].base
-        once = DynamicScenario("once", base, options["scenario"].events[:1])
-        changing, still = (small(optimizer, scenario=scenario) for scenario in (once, base))
-        (_, after), (_, unchanged) = (episode(env, decisions=[[9, 0.0]]) for env in (changing, still))
-        size = unchanged[2]["population_size"]
-        spent = after[2]["evaluations"] - unchanged[2]["evaluations"]
-        assert spent == spent_on(optimizer, size)
-        # The lists of MOA are cut where their heads get worse.
-        assert after[2]["population_size"] == size or optimizer == "multivariate"
-        # Ants that arrive do not collide, whichever path they take.
-        swarms, others = changing.simulation.swarms, still.simulation.swarms
-        assert after[0][1] != unchanged[0][1] or not get_optimizer(optimizer).adopts
-        assert (swarms.fitness[0, :size] != others.fitness[0, :size]).any()
-        assert changing.simulation.history[0, 1, 0] == after[0][0]
+@every_map
+def test_an_event_costs_as_many_evaluations_as_there_is_remembered_and_shows_at_once(optimizer, scenario):
+    base = scenario.base
+    once = DynamicScenario("once", base, scenario.events[:1])
+    changing, still = (small(optimizer, scenario=one) for one in (once, base))
+    (_, after), (_, unchanged) = (episode(env, decisions=[[9, 0.0]]) for env in (changing, still))
+    size = unchanged[2]["population_size"]
+    spent = after[2]["evaluations"] - unchanged[2]["evaluations"]
+    assert spent == spent_on(optimizer, size)
+    # The lists of MOA are cut where their heads get worse.
+    assert after[2]["population_size"] == size or optimizer == "multivariate"
+    # Ants that arrive do not collide, whichever path they take.
+    swarms, others = changing.simulation.swarms, still.simulation.swarms
+    assert after[0][1] != unchanged[0][1] or not get_optimizer(optimizer).adopts
+    assert (swarms.fitness[0, :size] != others.fitness[0, :size]).any()
+    assert changing.simulation.history[0, 1, 0] == after[0][0]
 
 
-@all_optimizers
-def test_without_an_event_all_is_as_on_the_base(optimizer):
-    for options in on_maps(optimizer):
-        base = options["scenario"].base
-        expected = episode(small(optimizer, scenario=base))
-        assert_same_steps(episode(small(optimizer, scenario=DynamicScenario("quiet", base, []))), expected)
+@every_map
+def test_without_an_event_all_is_as_on_the_base(optimizer, scenario):
+    base = scenario.base
+    expected = episode(small(optimizer, scenario=base))
+    assert_same_steps(episode(small(optimizer, scenario=DynamicScenario("quiet", base, []))), expected)
 
 
 def test_an_event_that_no_iteration_follows_is_refused():
@@ -230,11 +235,11 @@ def test_an_event_that_no_iteration_follows_is_refused():
 
 @all_optimizers
 def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
-    (options, *_) = on_maps(optimizer)
-    first = [event for event in options["scenario"].events if event.iteration == 1]
-    once = DynamicScenario("once", options["scenario"].base, first)
+    scenario = maps_of(optimizer)[0]
+    first = [event for event in scenario.events if event.iteration == 1]
+    once = DynamicScenario("once", scenario.base, first)
     plan = [[8, 0.0], [8, 0.0]]
-    steps = episode(small(optimizer, scenario=options["scenario"].base), decisions=plan)
+    steps = episode(small(optimizer, scenario=scenario.base), decisions=plan)
     before, size = (steps[1][2][name] for name in ("evaluations", "population_size"))
     for left in range(spent_on(optimizer, size) + 2):
         env = small(optimizer, scenario=once, max_evaluations=before + left)
@@ -257,8 +262,8 @@ def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
 
 @all_optimizers
 def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
-    (options, *_) = on_maps(optimizer)
-    scenarios = [options["scenario"], options["scenario"].base]
+    scenario = maps_of(optimizer)[0]
+    scenarios = [scenario, scenario.base]
     alone = [episode(small(optimizer, scenario=scenarios), SEED + row) for row in range(5)]
     for threads in range(1, min(numba_threads, 2) + 1):
         envs = SwarmVectorEnv(

@@ -15,7 +15,7 @@ from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.worlds import make_problem
 
-SMALL = {"functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60}
+SMALL = {"optimizer": "cma-es", "functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60}
 
 
 def made_up(instance, *precision):
@@ -30,7 +30,7 @@ GROUPS = [LoggedGroup(8, 2, (made_up(1, 3.0, 3.0, 2e-9, 2e-9), made_up(7, 0.5, 0
 def logs(tmp_path_factory):
     """The folder of logs of two entrants."""
     output = tmp_path_factory.mktemp("bbob")
-    controllers = ("fixed:10", "firefly+fixed:12")
+    controllers = ("fixed:10", "differential-evolution+fixed:12")
     list(run(BbobConfig(controllers=controllers, output=output, seed=3, **SMALL)))
     return output
 
@@ -97,15 +97,15 @@ def test_the_files_of_iohprofiler_are_like_those_of_its_own_logger(tmp_path):
 
 
 def test_logs_say_what_the_runs_found(logs):
-    folder = logs / "iohprofiler/particle-swarm_fixed_10"
+    folder = logs / "iohprofiler/cma-es_fixed_10"
     listed = json.loads((folder / "IOHprofiler_f15_RastriginRotated.json").read_text())
     assert [scenario["dimension"] for scenario in listed["scenarios"]] == [2, 3]
-    assert listed["algorithm"]["name"] == "particle-swarm+fixed:10"
+    assert listed["algorithm"]["name"] == "cma-es+fixed:10"
     assert "budget 60 D, seed 3" in listed["algorithm"]["info"]
     for scenario in listed["scenarios"]:
         dimension = scenario["dimension"]
         courses = rows_of(folder / scenario["path"])
-        theirs = rows_of(logs / f"coco/particle-swarm_fixed_10/data_f15/bbobexp_f15_DIM{dimension}.dat")
+        theirs = rows_of(logs / f"coco/cma-es_fixed_10/data_f15/bbobexp_f15_DIM{dimension}.dat")
         for listed_run, course, rows in zip(scenario["runs"], courses, theirs, strict=True):
             name = f"function:bbob-15-{dimension}-{listed_run['instance']}"
             assert make_problem(name).evaluate(listed_run["best"]["x"])[0] == listed_run["best"]["y"]
@@ -120,10 +120,12 @@ def test_logs_say_what_the_runs_found(logs):
 
 def test_the_first_row_is_the_first_member_of_the_first_population(logs):
     for k, instance in enumerate(SMALL["instances"]):
-        env = SwarmEnv("firefly", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12)
+        env = SwarmEnv(
+            "differential-evolution", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12
+        )
         env.reset(seed=3 + k)
         first = env.simulation.swarms.fitness[0, 0]
-        rows = rows_of(logs / "coco/firefly_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
+        rows = rows_of(logs / "coco/differential-evolution_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
         assert rows[0, [0, 2]].tolist() == pytest.approx([1.0, first], rel=1e-9)
         assert rows[1, [0, 2]].tolist() == pytest.approx(
             [12.0, env.simulation.swarms.best_fitness[0]], rel=1e-9
@@ -133,7 +135,7 @@ def test_the_first_row_is_the_first_member_of_the_first_population(logs):
 def test_every_entrant_has_a_folder_in_both_forms(logs):
     for form in ("coco", "iohprofiler"):
         assert {place.name for place in (logs / form).iterdir()} == {
-            "particle-swarm_fixed_10", "firefly_fixed_12",
+            "cma-es_fixed_10", "differential-evolution_fixed_12",
         }  # fmt: skip
     assert len(list(logs.glob("coco/*/bbobexp_f*.info"))) == 4
 
@@ -145,20 +147,22 @@ def test_same_seed_same_logs(logs, tmp_path):
 
 
 def test_iterations_and_parameters_are_those_asked_for(tmp_path):
-    config = BbobConfig(controllers=("firefly+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
-                        dimensions=(2,), instances=(1,), parameters={"noise": 0.25})  # fmt: skip
+    config = BbobConfig(
+        controllers=("differential-evolution+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
+        dimensions=(2,), instances=(1,), parameters={"archive_rate": 0.25},
+    )  # fmt: skip
     list(run(config))
     (path,) = tmp_path.glob("coco/*/data_f1/*.tdat")
     (rows,) = rows_of(path)
     assert rows[:2, 0].tolist() == [1, 5]
     assert len(rows) == 5  # the first evaluation, the first population, and three iterations
-    assert "noise 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
+    assert "archive_rate 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
 
 
 def test_logs_of_another_run_are_not_touched(logs):
     before = {path: path.read_bytes() for path in logs.rglob("*.*") if path.is_file()}
-    config = BbobConfig(controllers=("fixed:10",), output=logs, functions=(2,))
-    refused(lambda: list(run(config)), "particle-swarm_fixed_10", "--output", error=SettingError)
+    config = BbobConfig(controllers=("fixed:10",), optimizer="cma-es", output=logs, functions=(2,))
+    refused(lambda: list(run(config)), "cma-es_fixed_10", "--output", error=SettingError)
     assert before == {path: path.read_bytes() for path in logs.rglob("*.*") if path.is_file()}
 
 
