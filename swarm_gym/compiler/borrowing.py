@@ -5,10 +5,13 @@ refuses to allocate one in it; here, it is also refused to return one, and to ca
 """
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numba.core import ir, types
 from numba.core.compiler_machinery import AnalysisPass, register_pass
+
+if TYPE_CHECKING:
+    from numba.core.compiler import StateDict
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
@@ -20,7 +23,7 @@ class CheckBorrowing(AnalysisPass):
     def __init__(self) -> None:
         super().__init__()
 
-    def run_pass(self, state: Any) -> bool:
+    def run_pass(self, state: "StateDict") -> bool:
         """Raise TypeError if a kernel that borrows returns an array, or calls a kernel that returns one."""
         if state.flags.nrt:
             return False

@@ -14,7 +14,7 @@ from numba.extending import overload
 
 from swarm_gym.compiler.borrowing import CheckBorrowing
 from swarm_gym.compiler.cache import KernelCache
-from swarm_gym.compiler.linked_code import LinkedCode
+from swarm_gym.compiler.linked_code import EntryCode, KernelCode, empty_code
 from swarm_gym.compiler.own_sources import has_file, tell_apart
 
 if TYPE_CHECKING:
@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 Function = TypeVar("Function", bound=Callable[..., object])
 Result = TypeVar("Result")
 Inline = Literal["late", "early"]
-_INLINE: dict[Inline, dict[str, Any]] = {"late": {"forceinline": True}, "early": {"inline": "always"}}
+_INLINE: dict[Inline | None, dict[str, Any]] = {
+    None: {},
+    "late": {"forceinline": True},
+    "early": {"inline": "always"},
+}
 
 
 def entry(function: Function) -> Function:
@@ -57,7 +61,8 @@ def kernel(
         inline: when it is copied into its callers. "late": by LLVM, while they are optimised; for what runs
             once per move or oftener, since a call passes every array of a NamedTuple on the stack, which
             costs more than a small kernel does. "early": by Numba, before they are compiled; for large
-            kernels with one caller or two, which then take less time to compile. None: LLVM decides.
+            kernels with one caller or two, which then take less time to compile. None: LLVM decides, which
+            inlines what is small, or called at one place of an entry.
         borrows: whether it only borrows arrays from its callers, so that references to them are not counted.
             Where the last use of an array depends on a branch, Numba counts it while the kernel runs,
             atomically, and a NamedTuple array by array: that took a fish more time than all its arithmetic.
@@ -71,8 +76,9 @@ def kernel(
         raise ValueError("a kernel that is inlined early borrows where its callers do: leave out `borrows`")
 
     def decorate(function: Function) -> Function:
-        options = {} if inline is None else _INLINE[inline]
-        return _compile(function, _KernelDispatcher, no_cpython_wrapper=True, _nrt=not borrows, **options)
+        return _compile(
+            function, _KernelDispatcher, no_cpython_wrapper=True, _nrt=not borrows, **_INLINE[inline]
+        )
 
     return decorate if function is None else decorate(function)
 
@@ -108,12 +114,13 @@ def kernel_by_class(kernels: Mapping[type, Callable[..., Result]]) -> Callable[.
 
 
 class _Compiler(CompilerBase):
-    """Numba's compiler, with a check of what borrows, and with kernels that are only linked."""
+    """Numba's compiler, with a check of what borrows, and with places for the code of kernels and entries."""
 
     def define_pipelines(self) -> "list[PassManager]":
-        if self.state.flags.no_cpython_wrapper and self.state.library is None:
+        if self.state.library is None:
+            kind = KernelCode if self.state.flags.no_cpython_wrapper else EntryCode
             codegen = self.state.targetctx.codegen()
-            self.state.library = LinkedCode.of(codegen, self.state.func_id.func_qualname)
+            self.state.library = empty_code(kind, codegen, self.state.func_id.func_qualname)
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(CheckBorrowing, NopythonTypeInference)
         passes.finalize()
@@ -142,8 +149,9 @@ def _compile(function: Function, kind: type[_Dispatcher], **options: Any) -> Fun
     if numba.config.DISABLE_JIT:
         # Words of a random stream wrap around by design; NumPy's scalars would warn of it.
         return np.errstate(over="ignore")(function)
-    # Whether references are counted is said of every kernel: else the first caller would decide it.
-    options = {"_nrt": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **options}
+    # Said of every kernel, since Numba would take what is not said from the first caller that needs it.
+    said = {"_nrt": True, "forceinline": False}
+    options = {**said, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **options}
     plain: Any = function
     tell_apart(plain)
     dispatcher = numba.njit(pipeline_class=_Compiler, **options)(function)

@@ -2,11 +2,10 @@
 
 By default, Numba optimises each function that it compiles, with all that it calls, and makes machine code of
 it, since Python might call it. Python never calls the compiled code of a kernel, see `jit.kernel`. So that of
-a kernel is optimised once in each entry, and not at each level of calls. It takes three quarters of the time
-to compile, for the same bits at the same speed.
+a kernel is optimised once in each entry, and not at each level of calls.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from llvmlite import binding, ir
 from numba.core import cgutils
@@ -15,20 +14,35 @@ from numba.core.codegen import JITCodeLibrary
 if TYPE_CHECKING:  # a private name, which may change without any harm
     from numba.core.codegen import Codegen
 
+Code = TypeVar("Code", bound=JITCodeLibrary)
 
-class LinkedCode(JITCodeLibrary):
-    """The code of one kernel.
+
+def empty_code(kind: type[Code], codegen: "Codegen", name: str) -> Code:
+    """Return a place for the code of one function, which the cache can keep."""
+    code = kind(codegen, name)
+    code.enable_object_caching()
+    return code
+
+
+class EntryCode(JITCodeLibrary):
+    """The code of one entry, to which its copy of each kernel belongs alone.
+
+    So LLVM inlines a kernel that is called at one place, however large it is.
+    """
+
+    def _optimize_final_module(self) -> None:
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == binding.Linkage.linkonce_odr:
+                function.linkage = "internal"
+        super()._optimize_final_module()
+
+
+class KernelCode(JITCodeLibrary):
+    """The code of one kernel, for others to link.
 
     Numba's engine gets a module of the kernel's environments only. These are places for the address of what
     the kernel needs from Python, such as a global object; Numba fills them when the kernel has been compiled.
     """
-
-    @classmethod
-    def of(cls, codegen: "Codegen", name: str) -> "LinkedCode":
-        """Return an empty library that the cache can keep."""
-        library = cls(codegen, name)
-        library.enable_object_caching()
-        return library
 
     def _optimize_final_module(self) -> None:
         pass

@@ -177,7 +177,7 @@ def _crossover_rate(entry: float, first: float, second: float) -> float:
     return min(max(entry + WIDTH * radius * sine_of_quarters(2.0 * math.pi * second, 1), 0.0), 1.0)
 
 
-@kernel
+@kernel(inline="late")
 def _scale_factor(entry: float, share: float) -> float:
     """Return a Cauchy number around an entry of the memory, at most 1, of a uniform number."""
     sine = sine_of_quarters(math.pi * share, 0)

@@ -175,7 +175,7 @@ def on_every_map():
 
 
 every_map = pytest.mark.parametrize(
-    ("optimizer", "scenario"), on_every_map(), ids=lambda one: getattr(one, "name", one)
+    ("optimizer", "scenario"), list(on_every_map()), ids=lambda one: getattr(one, "name", one)
 )
 
 copied = pytest.mark.parametrize(

@@ -21,14 +21,14 @@ import swarm_gym
 from helpers.loops import looped
 from swarm_gym.compiler import borrowing, jit
 from swarm_gym.compiler.cache import KernelCache
-from swarm_gym.compiler.linked_code import LinkedCode
+from swarm_gym.compiler.linked_code import EntryCode, KernelCode, empty_code
 
 PACKAGE = Path(swarm_gym.__file__).parent
 LIBRARIES = ("numba", "llvmlite", "numba_cuda")
 
 # Names that the package imports, or reads from a module that it imports, by the module.
 NAMES = {
-    "llvmlite.binding": {"Linkage.common", "ModuleRef", "parse_assembly"},
+    "llvmlite.binding": {"Linkage.common", "Linkage.linkonce_odr", "ModuleRef", "parse_assembly"},
     "llvmlite.ir": {"Constant", "DoubleType", "FunctionType", "IntType", "Undefined", "VectorType"},
     "numba": {
         "config.BOUNDSCHECK", "config.DISABLE_JIT", "config.ENABLE_CUDASIM", "config.NUMBA_NUM_THREADS",
@@ -68,8 +68,8 @@ INHERITED = {
         "load_overload", "save_overload",
     },
     "numba.core.codegen.JITCodeLibrary": {
-        "_codegen", "_finalize_dynamic_globals", "_finalize_final_module", "_get_module_for_linking",
-        "_optimize_final_module", "_verify_declare_only_symbols", "name",
+        "_codegen", "_final_module", "_finalize_dynamic_globals", "_finalize_final_module",
+        "_get_module_for_linking", "_optimize_final_module", "_verify_declare_only_symbols", "name",
     },
     "numba.core.compiler.CompilerBase": {"define_pipelines", "state"},
     "numba.core.compiler_machinery.AnalysisPass": {"_name", "run_pass"},
@@ -239,8 +239,9 @@ def test_the_list_names_what_classes_inherit():
         (KernelCache._index_key, "numba.core.caching.FunctionCache._index_key"),
         (jit._Dispatcher.compile, "numba.core.registry.CPUDispatcher.compile"),
         (jit._Compiler.define_pipelines, "numba.core.compiler.CompilerBase.define_pipelines"),
-        (LinkedCode._optimize_final_module, "numba.core.codegen.CPUCodeLibrary._optimize_final_module"),
-        (LinkedCode._finalize_final_module, "numba.core.codegen.CPUCodeLibrary._finalize_final_module"),
+        (EntryCode._optimize_final_module, "numba.core.codegen.CPUCodeLibrary._optimize_final_module"),
+        (KernelCode._optimize_final_module, "numba.core.codegen.CPUCodeLibrary._optimize_final_module"),
+        (KernelCode._finalize_final_module, "numba.core.codegen.CPUCodeLibrary._finalize_final_module"),
     ],
 )
 def test_a_method_has_the_arguments_of_the_one_that_it_overrides(own, base):
@@ -263,7 +264,7 @@ def test_the_attributes_of_caches_exist():
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 def test_the_attributes_of_libraries_of_code_exist():
-    library = LinkedCode.of(cpu_target.target_context.codegen(), "doubled")
+    library = empty_code(KernelCode, cpu_target.target_context.codegen(), "doubled")
     exist(INHERITED["numba.core.codegen.JITCodeLibrary"], library)
     assert not library._finalized
     exist({"_create_empty_module"}, library._codegen)
