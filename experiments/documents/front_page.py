@@ -78,7 +78,7 @@ STUDIES = (
         "Does control help other swarms?",
         COLLECTIONS["optimizers-study"],
     ),
-    Study("BBOB", ("bbob",), "Which size suits particle swarms of three libraries?", ("bbob",)),
+    Study("BBOB", ("bbob", "bbob-tables"), "Which size suits particle swarms of three libraries?", ("bbob",)),
 )
 PAPERS = (
     Study("IAFSA", ("iafsa-paper",), "improved artificial fish swarms", COLLECTIONS["iafsa-paper"]),
@@ -251,7 +251,7 @@ FRONT_BLOCKS: Mapping[str, Block] = {
     ),
     "beside-metabox": partial(
         _repeated,
-        "strong-optimizers",
+        "strong-optimizers-tables",
         "beside-metabox",
         _first_of(("stars of 16", "average rank")),
         "strong-optimizers",

@@ -23,10 +23,10 @@ PAGES = {
     "docs/scores.md": ("docs/scores-tables.md",),
     "docs/terrain.md": ("docs/terrain-tables.md",),
     "docs/terrain-scenarios.md": (),
-    "docs/bbob.md": (),
+    "docs/bbob.md": ("docs/bbob-tables.md",),
     "docs/known-optimum.md": ("docs/known-optimum-tables.md",),
     "docs/learners.md": ("docs/learners-tables.md",),
-    "docs/strong-optimizers.md": (),
+    "docs/strong-optimizers.md": ("docs/strong-optimizers-tables.md",),
 }
 # Numbers that are no results: seeds, steps of trainings and tunings, values of options; two that were
 # measured on training seeds while a recipe was chosen; and the largest difference to a published cost.
