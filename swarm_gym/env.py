@@ -113,7 +113,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree
     changes nothing. The optimum and the lower bound are 0, and `optimality_gap` is the best fitness.
-    `best_path` is the decision vector in parallel coordinates. See docs/scenarios.md.
+    `best_path` is the decision vector in parallel coordinates. See docs/scenarios-functions.md.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
