@@ -15,7 +15,7 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
-from experiments.documents.front_page import FRONT_BLOCKS
+from experiments.documents.front_page import FRONT_BLOCKS, RUNS_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
 from experiments.documents.study_documents import AT_BUDGETS, STUDY_DOCUMENTS
@@ -31,7 +31,7 @@ from experiments.scoring.ranking import (
 )
 from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
-from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
+from experiments.speed.benchmark_page import CAPTIONS, OF_PEERS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
 from experiments.tables.block_contents import rows_of
@@ -102,9 +102,16 @@ def _ladder(results: ResultsFolder) -> str:
     return pick(table, (table.columns[0],), [(name,) for name in LADDER]).markdown()
 
 
+# Each group of measurements stands on one page: moves, other libraries, and all others.
+MOVES_BLOCKS: Mapping[str, Block] = {"moves": partial(_measurements, "moves")}
+LIBRARIES_BLOCKS: Mapping[str, Block] = {name: partial(_measurements, name) for name in OF_PEERS}
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
-    **{name: partial(_measurements, name) for name in CAPTIONS},
+    **{
+        name: partial(_measurements, name)
+        for name in CAPTIONS
+        if name not in (*MOVES_BLOCKS, *LIBRARIES_BLOCKS)
+    },
 }
 README_BLOCKS: Mapping[str, Block] = {
     "ladder": _ladder,
@@ -118,6 +125,8 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
         Document(Path("README.md"), "", "", blocks=README_BLOCKS),
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
+        Document(Path("docs/performance-moves.md"), "", "", blocks=MOVES_BLOCKS),
+        Document(Path("docs/performance-libraries.md"), "", "", blocks=LIBRARIES_BLOCKS),
     ),
     **catalogue.DOCUMENTS,
     **STUDY_DOCUMENTS,
@@ -127,7 +136,10 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/planners-tables.md"), "planners", ""),
         Document(Path("docs/curves.md"), "planners", "", blocks=CURVE_TABLES),
     ),
-    "numbers": (Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),),
+    "numbers": (
+        Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),
+        Document(Path("docs/results-runs.md"), "", "", blocks=RUNS_BLOCKS),
+    ),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "scores": (
         Document(Path("docs/scores.md"), "", "", blocks=SCORES_BLOCKS),

@@ -67,11 +67,6 @@ def _cases_at_budgets(results: ResultsFolder) -> str:
     return shortened(CASES_TABLE, CASES, results)
 
 
-def _readings_of_one_fifth(results: ResultsFolder) -> str:
-    """Return the table of the readings of the one-fifth rule."""
-    return results.table("readings").markdown()
-
-
 LEARNERS_BLOCKS: Mapping[str, Block] = {"reached-200000": _learners}
 LEARNERS_TABLES: Mapping[str, Block] = texts(("reached-200000", "recipes", "reached-1000000"))
 ONE_MAX_BLOCKS: Mapping[str, Block] = {
@@ -79,6 +74,7 @@ ONE_MAX_BLOCKS: Mapping[str, Block] = {
     **texts(("four-parameters", "generalisation")),
 }
 ONE_MAX_TABLES: Mapping[str, Block] = texts(("one-parameter", "valley", "counting", "simulations", "speed"))
+READINGS_BLOCKS: Mapping[str, Block] = texts(("readings",))  # of the one-fifth rule
 STRONG_BLOCKS: Mapping[str, Block] = {
     "in-short": partial(shortened, "strong-optimizers/in-short", STRONG),
     "cases-at-budgets": _cases_at_budgets,
@@ -108,7 +104,7 @@ STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "known-optimum": (
         Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum", blocks=ONE_MAX_BLOCKS),
         Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),
-        Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
+        Document(Path("docs/readings-optimizers.md"), "known-optimum", "", blocks=READINGS_BLOCKS),
     ),
     "strong-optimizers": (
         Document(Path("docs/strong-optimizers.md"), "", "strong-optimizers", blocks=STRONG_BLOCKS),

@@ -64,7 +64,8 @@ def test_the_cluster_is_described_as_ray_wants_it():
 
 
 def test_readings_name_files_that_exist():
-    named = set(re.findall(r"`([\w/]+\.py)`", (ROOT / "docs/readings.md").read_text(encoding="utf-8")))
+    text = "\n".join(path.read_text(encoding="utf-8") for path in ROOT.glob("docs/readings*.md"))
+    named = set(re.findall(r"`([\w/]+\.py)`", text))
     packages = ("swarm_gym", "agents", "experiments")
     files = [path.as_posix() for package in packages for path in (ROOT / package).rglob("*.py")]
     assert named

@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[3]
 PAGES = {
     "README.md": ("docs/study-tables.md", "docs/strong-optimizers.md"),
     "docs/results.md": (),
+    "docs/results-runs.md": (),
     "docs/study.md": ("docs/study-tables.md",),
     "docs/newcomers.md": ("docs/newcomers-tables.md",),
     "docs/dynamic.md": ("docs/dynamic-tables.md",),

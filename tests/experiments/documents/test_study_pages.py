@@ -109,11 +109,15 @@ def test_a_page_is_short_and_says_its_limits_and_what_others_measured(name):
     assert {"## Limits", "## Related work"} <= set(text.splitlines())
 
 
-def test_pages_on_planning_are_short():
-    pages = [*ROOT.glob("docs/planning*.md"), ROOT / "docs/flights.md", ROOT / "docs/terrain-scenarios.md"]
+# Appendices have whole tables; the page of results grows by what is out of date; the changelog is a list.
+LONG = {"results.md", "changelog.md", "contributing.md"}
+
+
+def test_pages_that_are_no_appendices_are_short():
+    pages = [path for path in ROOT.glob("docs/*.md") if not path.stem.endswith("-tables")]
     lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in pages}
-    assert len(lines) >= 7
-    assert {name: number for name, number in lines.items() if number > MOST_LINES} == {}
+    assert len(lines) >= 60
+    assert {name: number for name, number in lines.items() if number > MOST_LINES and name not in LONG} == {}
 
 
 @pytest.mark.parametrize("name", PAGES)
