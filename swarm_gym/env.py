@@ -80,7 +80,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     `swarm_gym.observation`.
 
     **Reward**, `progress`: log(gap before / gap after) - price * evaluations / reference_evaluations. The gap
-    is the best fitness so far minus a lower bound; the evaluations are those of this step. See
+    is the best fitness so far minus a lower bound; the evaluations are counted in this step. See
     `swarm_gym.reward`.
 
     **Episode**: `reset` evaluates the first population; its E(P) is the first observation. The seed

@@ -137,7 +137,7 @@ class OneFifth(OneMaxRule):
 
         Args:
             size: n, the length of the string.
-            reach: lambda ends at this multiple of that of theory, sqrt(n / (n - f)); infinite for no such
+            reach: lambda ends at this multiple of theory's lambda, sqrt(n / (n - f)); infinite for no such
                 end, which changed expected runtimes by less than 0.01 % and takes many times as long.
         """
         values = self.factor ** (np.arange(math.ceil(self.fall * math.log(size, self.factor))) / self.fall)

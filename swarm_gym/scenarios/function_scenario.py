@@ -76,7 +76,7 @@ class FunctionScenario:
         name: name under which results are filed.
         function: a name in `FUNCTIONS`.
         dimension: D, the length of a decision vector.
-        optimum: (D,) position of the minimum, inside the domain; by default that of the formula.
+        optimum: (D,) position of the minimum, inside the domain; by default as in the formula.
 
     Raises:
         UnknownNameError: if there is no such function.
