@@ -105,7 +105,8 @@ class OneFifth(OneMaxRule):
     """The one-fifth success rule for a real lambda, which never learns n or f.
 
     Mutants and children are its whole part, and a mutant flips each bit with probability lambda / n. Of
-    eleven ways to round, this one comes nearest to the published runtimes (docs/readings.md).
+    eleven ways to round, this one comes nearest to the published runtimes
+    (docs/readings-optimizers.md).
 
     Attributes:
         factor: F; lambda is divided by it after a gain, and grows by its fourth root otherwise.

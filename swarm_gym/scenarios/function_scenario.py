@@ -21,7 +21,7 @@ In two dimensions these are the usual functions:
 
 Their forms in more dimensions are defined here, except the chain of Bohachevsky's, which is common. The paper
 does not print the domains; [-5.12, 5.12] for Rastrigin's and [-10, 10] for the others is a reading, see
-docs/readings.md.
+docs/readings-optimizers.md.
 """
 
 import math
