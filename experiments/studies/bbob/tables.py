@@ -1,4 +1,4 @@
-"""The tables and the document of the study of the BBOB functions.
+"""The tables of the study of the BBOB functions.
 
 A run is measured by the decimal logarithm of its precision, the best value above the least one. Values below
 1e-8 count as 1e-8, as in COCO (N. Hansen et al., "COCO: a platform for comparing continuous optimizers in a
@@ -6,7 +6,6 @@ black-box setting", Optimization Methods and Software 36, 2021).
 """
 
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -17,17 +16,13 @@ from experiments.runs.suite import Suite
 from experiments.statistics import Difference, Draws, difference, draw, holm, interval, means
 from experiments.studies.bbob.suites import (
     BASELINE,
-    BBOB,
     BUDGET,
     CONTROLLERS,
     DIMENSION,
     OPTIMIZERS,
     name_of,
 )
-from experiments.tables.block_contents import texts
 from experiments.tables.cell import MISSING, Entry, number, number_in, share_in, signed_p
-from experiments.tables.document import Block, Document, ResultsFolder
-from experiments.tables.reshape import pick
 from experiments.tables.table import Row, Table
 from swarm_gym.scenarios import BbobScenario, make_scenario
 
@@ -146,22 +141,3 @@ def _differences(compared: Difference | None, p_value: float) -> Row:
 
 
 TABLES = {"bbob-groups": group_tables, "bbob-rules": rule_tables}
-# Rows of the page: sizes that its findings are about; its appendix has all.
-SHOWN = ("20 members", BASELINE, "falling from 100 to 10")
-
-
-def _in_short(results: ResultsFolder) -> str:
-    """Return the means by group of functions, of some sizes with the swarms of all libraries."""
-    keys = [(optimizer, controller) for optimizer in OPTIMIZERS for controller in SHOWN]
-    return pick(results.table("bbob-groups"), ("optimizer", "size"), keys).markdown()
-
-
-RESULTS = f"docs/{BBOB.name}"
-BLOCKS: dict[str, Block] = {"bbob-groups": _in_short, **texts(("made-with",))}
-TABLE_BLOCKS: dict[str, Block] = texts(("bbob-groups", "bbob-rules", "claims"))
-DOCUMENTS = {
-    "bbob": (
-        Document(Path("docs/bbob.md"), RESULTS, "", BBOB.name, BLOCKS),
-        Document(Path("docs/bbob-tables.md"), RESULTS, "", BBOB.name, TABLE_BLOCKS),
-    )
-}

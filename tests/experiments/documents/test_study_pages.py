@@ -120,10 +120,15 @@ def test_pages_that_are_no_appendices_are_short():
     assert {name: number for name, number in lines.items() if number > MOST_LINES and name not in LONG} == {}
 
 
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_page_has_figures(name):
+    least = 1 if name == "known-optimum" else 2  # its expectations are exact, without intervals to draw
+    assert least <= page(name).count("![") <= 4
+
+
 @pytest.mark.parametrize("name", PAGES)
-def test_a_page_has_figures_and_one_table(name):
+def test_a_page_has_one_table(name):
     text = page(name)
-    assert 2 <= text.count("![") <= 4
     generated = "".join(contents(text).values())
     assert generated.count("\n| --- ") == 1
     assert len(re.findall(r"^\| ", generated, re.MULTILINE)) - 2 <= MOST_ROWS
