@@ -53,7 +53,7 @@ Each picture is of one run, with parameters that nobody chose for its map. So th
 how swarms move, and do not rank the optimizers. `make docs-gallery` writes this page from the
 registries of optimizers and scenarios. These families are missing, since their maps are files or
 their functions belong to another library: {with_files};
-[scenarios.md](scenarios.md) says where to get them.
+[scenarios-grids.md](scenarios-grids.md) says where to get them.
 
 {table}
 

@@ -5,7 +5,7 @@ commands wrote. Copies the figures that a document shows to docs/results. If any
 written. No number between the marks is typed by hand.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -15,12 +15,12 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
-from experiments.documents.front_page import FRONT_BLOCKS
+from experiments.documents.front_page import FRONT_BLOCKS, RUNS_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
+from experiments.documents.study_documents import AT_BUDGETS, STUDY_DOCUMENTS
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import CURVE_TABLES, SHORT_TABLES
-from experiments.plots.style import render, settings
 from experiments.runs.database import ResultsError
 from experiments.scoring.ranking import (
     LEADERS_BLOCK,
@@ -31,11 +31,9 @@ from experiments.scoring.ranking import (
 )
 from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
-from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
+from experiments.speed.benchmark_page import CAPTIONS, OF_PEERS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
-from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.studies.strong.suites import LADDER
-from experiments.studies.terrain.tables_of_costs import BESIDE_CONTROL, IN_SHORT
 from experiments.tables.block_contents import rows_of
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick, select
@@ -55,7 +53,6 @@ CAPTION = (
     "difference to the smallest objective of controllers that see nothing"
 )
 SUITE, STUDY, BENCHMARK = "docs/paper", "study/headline", "benchmark"  # folders of the document `results`
-AT_BUDGETS = "strong/cases-at-budgets"
 
 
 def _speed(results: ResultsFolder) -> str:
@@ -95,11 +92,6 @@ def _headline(results: ResultsFolder) -> str:
     return select(replace(chosen, caption=CAPTION), SHOWN).markdown()
 
 
-def _readings_of_one_fifth(results: ResultsFolder) -> str:
-    """Return the table of the readings of the one-fifth rule."""
-    return results.table("readings").markdown()
-
-
 def _ladder(results: ResultsFolder) -> str:
     """Return the rows of README.md from the table of the cases at equal evaluations.
 
@@ -110,17 +102,16 @@ def _ladder(results: ResultsFolder) -> str:
     return pick(table, (table.columns[0],), [(name,) for name in LADDER]).markdown()
 
 
-def _cases_at_budgets(results: ResultsFolder) -> str:
-    """Return the table of the cases at equal evaluations, and show its figure."""
-    table = results.table(f"{AT_BUDGETS}/cases-at-budgets")
-    with settings():
-        results.shown["cases-at-budgets.svg"] = render(draw_cases_at_budgets(table), "svg")
-    return table.markdown()
-
-
+# Each group of measurements stands on one page: moves, other libraries, and all others.
+MOVES_BLOCKS: Mapping[str, Block] = {"moves": partial(_measurements, "moves")}
+LIBRARIES_BLOCKS: Mapping[str, Block] = {name: partial(_measurements, name) for name in OF_PEERS}
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
-    **{name: partial(_measurements, name) for name in CAPTIONS},
+    **{
+        name: partial(_measurements, name)
+        for name in CAPTIONS
+        if name not in (*MOVES_BLOCKS, *LIBRARIES_BLOCKS)
+    },
 }
 README_BLOCKS: Mapping[str, Block] = {
     "ladder": _ladder,
@@ -129,76 +120,27 @@ README_BLOCKS: Mapping[str, Block] = {
 }
 RANKINGS: Mapping[str, Block] = {name: partial(ranking_block, name) for name in SCORED}
 SCORES_BLOCKS: Mapping[str, Block] = {SUITES_BLOCK: suites_block, LEADERS_BLOCK: leaders_block}
-STRONG_BLOCKS: Mapping[str, Block] = {
-    "in-short": partial(ResultsFolder.text, name="strong-optimizers/in-short.md"),
-    "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
-    "cases-at-budgets": _cases_at_budgets,
-}
-
-
-def _over_terrain(name: str, rows: Sequence[str], results: ResultsFolder) -> str:
-    """Return some rows of a table over terrain, in the order of the table.
-
-    Raises:
-        ValueError: if the table lacks one of the rows.
-    """
-    table = results.table(name)
-    places = {str(row[0]): place for place, row in enumerate(table.rows)}
-    names = sorted(rows, key=lambda name: places.get(name, len(places)))
-    return pick(table, (table.columns[0],), [(name,) for name in names]).markdown()
-
-
-TERRAIN_BLOCKS: Mapping[str, Block] = {
-    "test-terrains": partial(_over_terrain, "terrain/all/metabox-in-short", IN_SHORT),
-    "control-over-terrain": partial(ResultsFolder.text, name="terrain/control/metabox-control.md"),
-}
-ONE_MAX_TABLES: Mapping[str, Block] = {
-    name: partial(ResultsFolder.text, name=f"{name}.md")
-    for name in ("valley", "counting", "simulations", "speed")
-}
-LEARNERS_TABLES: Mapping[str, Block] = {
-    name: partial(ResultsFolder.text, name=f"{name}.md") for name in ("recipes", "reached-1000000")
-}
-TERRAIN_TABLES: Mapping[str, Block] = {
-    "all-rows-over-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-in-short.md"),
-    "controlled-swarms": partial(_over_terrain, "terrain/control/metabox-in-short", BESIDE_CONTROL),
-    "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
-    **{
-        name: partial(ResultsFolder.text, name=f"terrain/eight/{name}.md")
-        for name in ("documented-in-short", "documented-by-terrain", "metabox-in-short", "metabox-by-terrain")
-    },
-}
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
         Document(Path("README.md"), "", "", blocks=README_BLOCKS),
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
+        Document(Path("docs/performance-moves.md"), "", "", blocks=MOVES_BLOCKS),
+        Document(Path("docs/performance-libraries.md"), "", "", blocks=LIBRARIES_BLOCKS),
     ),
     **catalogue.DOCUMENTS,
+    **STUDY_DOCUMENTS,
     "layouts": (Document(Path("docs/layouts.md"), "", "", blocks=LAYOUT_BLOCKS),),
-    "learners": (
-        Document(Path("docs/learners.md"), "learners", "learners"),
-        Document(Path("docs/learners-tables.md"), "learners", "", blocks=LEARNERS_TABLES),
-    ),
-    "known-optimum": (
-        Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
-        Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),
-        Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
-    ),
     "planners": (
         Document(Path("docs/planners.md"), "planners", "planners", blocks=SHORT_TABLES),
         Document(Path("docs/planners-tables.md"), "planners", ""),
         Document(Path("docs/curves.md"), "planners", "", blocks=CURVE_TABLES),
     ),
-    "numbers": (Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),),
+    "numbers": (
+        Document(Path("docs/results.md"), "", "", blocks=FRONT_BLOCKS),
+        Document(Path("docs/results-runs.md"), "", "", blocks=RUNS_BLOCKS),
+    ),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
-    "strong-optimizers": (
-        Document(Path("docs/strong-optimizers.md"), "", "strong-optimizers", blocks=STRONG_BLOCKS),
-    ),
-    "terrain": (
-        Document(Path("docs/terrain.md"), "", "", blocks=TERRAIN_BLOCKS),
-        Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
-    ),
     "scores": (
         Document(Path("docs/scores.md"), "", "", blocks=SCORES_BLOCKS),
         Document(Path("docs/scores-tables.md"), "", "", blocks=RANKINGS),

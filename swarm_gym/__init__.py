@@ -28,7 +28,7 @@ register_environments()
 if not TYPE_CHECKING:
 
     def plan(*arguments, **options):
-        """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
+        """Return a free path on a map; `swarm_gym.planning.plan` lists arguments and errors."""
         from swarm_gym import planning  # takes a second to import
 
         return planning.plan(*arguments, **options)

@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command that is named first, with the other arguments; without one, print all commands.
 
     Args:
-        arguments: the name of a command and its arguments; None are those of the command line.
+        arguments: the name of a command and its arguments; None takes the command line.
 
     Raises:
         SystemExit: with the status of the command, 1 if the installation lacks what it needs, or 2 for an

@@ -6,7 +6,7 @@ This module has what that standard lacks. Annotations of a simulation's state na
 kernels leave it on a GPU, these are tensors with the same operators.
 
 A program that asks for the value of a tensor waits for all work of the GPU. Nothing here does so, except
-`as_numpy`. For the same reason, functions of this module take Python's numbers where those of torch would
+`as_numpy`. For the same reason, functions of this module take Python's numbers where torch's numbers would
 first copy them to the GPU.
 """
 
@@ -51,7 +51,7 @@ def tensors() -> Namespace:
 
 
 def namespace_of(array: AnyArray) -> Namespace:
-    """Return the namespace of the functions for an array: the module `numpy`, or that of tensors."""
+    """Return the namespace of the functions for an array: the module `numpy`, or the namespace of tensors."""
     return np if isinstance(array, np.ndarray) else tensors()
 
 

@@ -1,7 +1,7 @@
 """The best paths so far of swarms, as points on the map: the best by fitness, and the best feasible one.
 
 The paper's fitness trades a little collision for a little length, so the best path by fitness often grazes
-obstacles. The best feasible one is kept beside it.
+obstacles. The best feasible one is kept as well.
 
 Paths are NumPy arrays. If the state of the swarms is tensors, the numbers of paths are copied from these.
 """
@@ -56,7 +56,7 @@ class BestPaths:
     def feasible_fitness(self) -> Floats:
         """Return (B,) fitness of the best feasible paths; NaN where there is none.
 
-        An event on the map forgets all paths but those of members and the best one by fitness.
+        An event on the map forgets all paths except the members' and the best one by fitness.
         """
         swarms, xp = self._swarms, namespace_of(self._swarms.problem)
         if self._are_walks:

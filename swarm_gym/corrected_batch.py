@@ -45,7 +45,7 @@ class CorrectedBatch(SwarmBatch):
             [-1, 1] with the decisions of the base.
         num_swarms: number of swarms B.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
-        simulation_class: class of the simulation; its arrays must be those of NumPy.
+        simulation_class: class of the simulation; its arrays must be NumPy's.
 
     Attributes:
         base: the controller whose decisions are corrected.

@@ -80,7 +80,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     `swarm_gym.observation`.
 
     **Reward**, `progress`: log(gap before / gap after) - price * evaluations / reference_evaluations. The gap
-    is the best fitness so far minus a lower bound; the evaluations are those of this step. See
+    is the best fitness so far minus a lower bound; the evaluations are counted in this step. See
     `swarm_gym.reward`.
 
     **Episode**: `reset` evaluates the first population; its E(P) is the first observation. The seed
@@ -113,7 +113,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree
     changes nothing. The optimum and the lower bound are 0, and `optimality_gap` is the best fitness.
-    `best_path` is the decision vector in parallel coordinates. See docs/scenarios.md.
+    `best_path` is the decision vector in parallel coordinates. See docs/scenarios-functions.md.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.

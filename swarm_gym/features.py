@@ -1,6 +1,6 @@
 """Features of swarms: numbers by which a controller sees them, with their bounds.
 
-`swarm_gym.observation` makes layouts of them. Features other than those of the paper are scaled by fixed
+`swarm_gym.observation` makes layouts of them. Features that the paper lacks are scaled by fixed
 numbers, so there are no running statistics to store. Features work on the arrays of any library, see
 `swarm_gym.arrays`; those that need paths work on NumPy arrays only.
 """
@@ -107,7 +107,7 @@ def _log_extent(simulation: Simulation) -> float:
 
 
 def _clock(simulation: Simulation, iterations: NDArray[np.int64]) -> Floats:
-    """Return log(1 + iterations), relative to that of all iterations of an episode."""
+    """Return log(1 + iterations), relative to its value at the end of an episode."""
     xp = simulation.xp
     return log1p(floats(xp, iterations), xp) / _log_of_one_and(simulation.settings.iterations)
 
@@ -211,19 +211,19 @@ def _log_jump(simulation: Simulation) -> Floats:
 
 
 def _log_since_event(simulation: Simulation) -> Floats:
-    """Return (B,) log(1 + iterations since the last event) / log(1 + those of an episode)."""
+    """Return (B,) log(1 + iterations since the last event) / log(1 + iterations of an episode)."""
     return _clock(simulation, simulation.iteration - simulation.worlds.begins[simulation.swarms.problem])
 
 
 def _log_until_event(simulation: Simulation) -> Floats:
-    """Return (B,) log(1 + iterations until the next event) / log(1 + those of an episode); 1 without one."""
+    """Return (B,) log(1 + iterations until the next event) / log(1 + all iterations); 1 without one."""
     coming = simulation.worlds.next_event[simulation.swarms.problem]
     length = simulation.settings.iterations
     return _clock(simulation, simulation.xp.where(coming > 0, coming - simulation.iteration, length))
 
 
 def log_size(simulation: Simulation) -> Floats:
-    """Return (B,) log(1 + population size), relative to that of the largest size."""
+    """Return (B,) log(1 + population size), relative to its value at the largest size."""
     xp = simulation.xp
     largest = _log_of_one_and(simulation.settings.max_population_size)
     return log1p(floats(xp, simulation.swarms.size), xp) / largest

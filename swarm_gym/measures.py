@@ -19,7 +19,7 @@ Flags = NDArray[np.bool_]
 class Gaps:
     """The gaps of B swarms: how far their best fitness is above a lower bound, or above the optimum.
 
-    Bounds and optima are those of the problems that the swarms work on now.
+    Bounds and optima belong to the problems that the swarms work on now.
 
     Args:
         swarms: state of the swarms.

@@ -1,6 +1,6 @@
 """Observations: the numbers by which a controller sees a swarm.
 
-A layout is a list of features. All layouts but those of bit strings have the iteration as fourth number,
+A layout is a list of features. All layouts, except for bit strings, have the iteration as fourth number,
 and all but these and `search` begin with three numbers about collision:
 
 | layout | dtype | features |
@@ -14,7 +14,7 @@ and all but these and `search` begin with three numbers about collision:
 | `jumps` | float32 | `scaled`, and what a change of the map does: jumps of E(P) and of the best fitness |
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
 | `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
-| `restarts` | float64 | `paper`, and how often the optimizer has begun anew, such as CMA-ES |
+| `restarts` | float64 | `paper`, and how often the optimizer has restarted, such as CMA-ES |
 | `search` | float32 | of CMA-ES and differential evolution: step size, covariance, success, memory, budget |
 | `theory` | float64 | on bit strings: length n and number of ones f |
 | `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |

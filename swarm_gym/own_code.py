@@ -147,7 +147,7 @@ def origin_of(kind: str, name: str) -> str:
 
 
 def source_files() -> dict[str, Path]:
-    """Return the files of the own code that was used so far, by name, without those of installed packages."""
+    """Return the files of the own code that was used so far, by name, without installed packages."""
     files = {name: _source_file(kind, name) for kind, name in _used if name not in _installed(GROUPS[kind])}
     return {name: file for name, file in files.items() if file is not None}
 

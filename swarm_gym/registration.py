@@ -1,6 +1,6 @@
 """Ids of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`.
 
-A process knows them once it has imported `swarm_gym`. Worker processes that start anew (spawn, forkserver)
+A process knows them once it has imported `swarm_gym`. Worker processes that start afresh (spawn, forkserver)
 have not, and Gymnasium has no plug-ins since version 1.0. The id `swarm_gym:swarm_gym/Firefly-v0` imports the
 package first, so that it works in every process.
 """

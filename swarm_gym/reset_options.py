@@ -116,7 +116,7 @@ def read_reset_options(
 
 
 def _read_source(options: Mapping[str, object], settings: Settings) -> Source:
-    """Return the source of a first population, with what the options change of that of the settings."""
+    """Return the source of a first population, as the settings have it, with what the options change."""
     given = {name: options[name] for name in SOURCE_OPTIONS if name in options}
     for name in given:
         settings.require_sources(name)

@@ -65,7 +65,7 @@ class Transition(NamedTuple):
         budget_shares: function that returns two arrays (B,), the shares of the evaluation budget that the
             reward of this iteration counts with the gap of the first population and with the gap after it;
             only the reward `anytime` calls it.
-        xp: namespace of the arrays, whose functions rewards use: the module `numpy`, or that of tensors, see
+        xp: namespace of the arrays, whose functions rewards use: the module `numpy` or one of tensors, see
             `swarm_gym.arrays`.
     """
 
@@ -95,7 +95,7 @@ def progress(transition: Transition) -> Floats:
 def final(transition: Transition) -> Floats:
     """Return log(initial gap / final gap) at the end and 0 before it, minus the cost of every step.
 
-    Over an episode the sum is that of `progress`.
+    Over an episode the sum equals the sum of `progress`.
     """
     xp = transition.xp
     gain = log(transition.initial_gap / transition.gap_after, xp)
@@ -115,8 +115,8 @@ def optimality(transition: Transition) -> Floats:
 def offline_error(transition: Transition) -> Floats:
     """Return minus the optimality gap in percent on the map in force, averaged since the first event.
 
-    Over an episode the sum is minus the offline error, minus the cost of every step. The gap is that of the
-    best path so far on the map after the events of the iteration. Where there is no event, the average is
+    Over an episode the sum is minus the offline error, minus the cost of every step. The gap is measured at
+    the best path so far on the map after the events of the iteration. Where there is no event, the average is
     over all iterations.
 
     Source: J. Branke, "Memory enhanced evolutionary algorithms for changing optimization problems", CEC 1999,

@@ -141,7 +141,7 @@ class Robots:
         return self._shortest[scenario]
 
     def copy_rows(self, rows: Integers) -> None:
-        """Make the robot of swarm i a copy of that of swarm rows[i]; the swarms were copied before."""
+        """Make the robot of swarm i a copy of the robot of swarm rows[i]; the swarms were copied before."""
         problems = list(self._worlds.problems)
         for array in (self._world, self.places, self.driven, self.arrived):
             array[...] = array[rows]
@@ -182,7 +182,7 @@ class Robots:
         self._swarms.best_walk_points(row)[:] = np.vstack([there.scenario.start, left])
 
     def _problem(self, row: int, number: int | None = None) -> MapProblem:
-        """Return the problem of a swarm, or that of a world."""
+        """Return the problem of a swarm or of a world."""
         problem = self._worlds.problems[self._swarms.problem[row] if number is None else number]
         assert isinstance(problem, MapProblem)
         return problem

@@ -58,7 +58,7 @@ def make_vec(
         num_envs: number of swarms.
         base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct;
             None for actions that are decisions. A policy whose output is zero then is the base.
-        seed: seed of the first swarm's first episode, from which those of the others count up.
+        seed: seed of the first swarm's first episode, from which the other swarms' seeds count up.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
         choices: number of evenly spaced values of each decision, for learners that choose, such as DQN: the
             action is then the number of one of all combinations. None is no choice.
@@ -114,12 +114,12 @@ class NativeVecEnv(VecEnv):
     """A native vector of swarms as stable-baselines3 takes it.
 
     The info of an episode that ended has its sum of rewards, its length, its last observation, the best
-    fitness and the evaluations. Where the optimum is known, it has the optimality gap; that of an episode
-    under way is empty. `reset_infos` has the infos with which the episodes under way began.
+    fitness and the evaluations. Where the optimum is known, it has the optimality gap, empty for an episode
+    under way. `reset_infos` has the infos with which the episodes under way began.
 
     Args:
         env: environment with the autoreset mode of this class, `SAME_STEP`.
-        observation_space: space of the policy's observations; None for that of the environment.
+        observation_space: space of the policy's observations; None for the environment's space.
 
     Raises:
         ValueError: if the environment has another autoreset mode.
@@ -288,6 +288,6 @@ def _equal(options: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
 
 
 def _info_of(row: int, infos: Mapping[str, Any]) -> dict[str, object]:
-    """Return the info of one swarm in those of a vector, without what belongs to the episode before."""
+    """Return the info of one swarm from the infos of a vector, without what belongs to the episode before."""
     names = [name for name in infos if not name.startswith(("_", "final_"))]
     return {name: as_numpy(infos[name])[row] for name in names if as_numpy(infos[f"_{name}"])[row]}

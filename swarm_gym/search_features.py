@@ -108,7 +108,7 @@ def _success_share(simulation: Simulation) -> Floats:
 
 
 def _wait(simulation: Simulation) -> Floats:
-    """Return (B,) log(1 + generations since the best fitness improved), relative to that of the longest."""
+    """Return (B,) log(1 + generations since the best fitness improved), relative to the longest wait."""
     best = _recent_bests(simulation, LONGEST_WAIT + 1)
     improved = best[:, :-1] < best[:, 1:]
     none = np.minimum(simulation.iteration, LONGEST_WAIT)
@@ -140,8 +140,8 @@ def _ruggedness(simulation: Simulation) -> Floats:
 def _gain_per_spread(simulation: Simulation) -> Floats:
     """Return (B,) the gain of the last generations per spread of fitness, as x / (1 + |x|).
 
-    The gain is that of the median fitness. Differential evolution keeps no medians, but never loses its best
-    member: there it is that of the best.
+    The gain is taken of the median fitness. Differential evolution keeps no medians, but never loses its best
+    member: there it is taken of the best.
     """
     swarms = simulation.swarms
     if _is_cma(simulation):

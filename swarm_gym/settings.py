@@ -20,7 +20,7 @@ from swarm_gym.sources import AMPLITUDES, GUIDED, MIXED, SMOOTH, SOURCES, UNIFOR
 class Settings:
     """The options of an environment; lengths are in map units.
 
-    Letters such as mu, g_max and E(P) are those of the SPSFA paper, see `swarm_gym.scenarios.papers.spsfa`.
+    The SPSFA paper defines letters such as mu, g_max and E(P), see `swarm_gym.scenarios.papers.spsfa`.
 
     Attributes:
         scenario: name of a scenario, a scenario, or a list of these; a name with a range of numbers stands

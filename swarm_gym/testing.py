@@ -175,7 +175,7 @@ def _check_state(name: str, env: SwarmEnv, info: Info, asked: int, before: float
 
 
 def _check_bits(name: str, options: Mapping[str, Any]) -> None:
-    """Check that a seed gives the same bits in a single environment and beside other swarms."""
+    """Check that a seed gives the same bits in a single environment and among other swarms."""
     found = []
     env = SwarmEnv(name, **options)
     for row in range(NUM_SWARMS):

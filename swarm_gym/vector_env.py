@@ -31,7 +31,7 @@ PRECISIONS = ("float64", "float32")
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     """A vector of `num_envs` swarms; swarm i equals a `SwarmEnv` with seed + i, bit for bit.
 
-    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`. The conventions are those of
+    Spaces, rewards, endings and options are as in `swarm_gym.env.SwarmEnv`. The conventions follow
     `gymnasium.vector.SyncVectorEnv`: infos with `_key` masks, `final_obs` and `final_info`, and
     `options["reset_mask"]`.
 
@@ -140,10 +140,10 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         seed: int | list[int | None] | None = None,
         options: dict[str, object] | None = None,
     ) -> tuple[NDArray, Infos]:
-        """Begin episodes in all swarms, or in those of the boolean array `options["reset_mask"]`.
+        """Begin episodes in all swarms, or in the swarms of the boolean array `options["reset_mask"]`.
 
         Args:
-            seed: seed of the first swarm, from which those of the other swarms count up; or a list with one
+            seed: seed of the first swarm, from which the other swarms' seeds count up; or a list with one
                 seed per swarm, where None keeps the swarm's random generator.
             options: options of `SwarmEnv.reset`, for all swarms, and `reset_mask`, bool of shape (B,).
 
@@ -231,7 +231,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         """Advance the swarms whose episode is under way, so that whole episodes run side by side.
 
         Args:
-            actions: one action per swarm, shape (B, number of decisions); those of resting swarms are not
+            actions: one action per swarm, shape (B, number of decisions); actions of resting swarms are not
                 read.
             chosen: (B,) swarms to advance if their episode is under way, an array of NumPy or of the
                 simulation; None chooses all.

@@ -1,4 +1,4 @@
-"""Planned ways: short paths of A* through different corridors, which new members can lie beside.
+"""Planned ways: short paths of A* through different corridors, which new members can lie around.
 
 Two ways differ if something blocked lies between them. The first way is the path of A*, pulled tight. The
 others are such paths when a block lies somewhere on a way that is known, a disc of drawn place and size. Maps
@@ -29,7 +29,7 @@ CELLS = 250  # on the longer side of a map of circles and polygons
 
 
 def with_ways(problem: Problem) -> Problem:
-    """Return the same problem, in which smooth new members lie beside planned ways.
+    """Return the same problem, in which smooth new members lie around planned ways.
 
     Where there are fewer than `NUM_WAYS`, they repeat, so that all problems have as many.
     """

@@ -1,4 +1,4 @@
-"""The blocks of docs/results.md: claims and headlines of all studies, read from the blocks of their pages.
+"""The blocks of docs/results.md and docs/results-runs.md, read from the blocks of the pages of studies.
 
 The pages are made from results first; this page repeats what they say, so that it cannot say anything else.
 """
@@ -78,10 +78,15 @@ STUDIES = (
         "Does control help other swarms?",
         COLLECTIONS["optimizers-study"],
     ),
-    Study("BBOB", ("bbob",), "Which size suits particle swarms of three libraries?", ("bbob",)),
+    Study("BBOB", ("bbob", "bbob-tables"), "Which size suits particle swarms of three libraries?", ("bbob",)),
 )
 PAPERS = (
-    Study("IAFSA", ("iafsa-paper",), "improved artificial fish swarms", COLLECTIONS["iafsa-paper"]),
+    Study(
+        "IAFSA",
+        ("iafsa-paper", "iafsa-claims", "iafsa-routes"),
+        "improved artificial fish swarms",
+        COLLECTIONS["iafsa-paper"],
+    ),
     Study("MOA", ("moa-paper",), "multivariate optimization and its rivals", ("moa-paper",)),
     Study("glowworms and ants", ("brand-yu-paper",), "glowworms and ants on grids", COLLECTIONS["brand-yu"]),
 )
@@ -251,7 +256,7 @@ FRONT_BLOCKS: Mapping[str, Block] = {
     ),
     "beside-metabox": partial(
         _repeated,
-        "strong-optimizers",
+        "strong-optimizers-tables",
         "beside-metabox",
         _first_of(("stars of 16", "average rank")),
         "strong-optimizers",
@@ -262,5 +267,5 @@ FRONT_BLOCKS: Mapping[str, Block] = {
     "planners": partial(
         _repeated, "planners", "planners", lambda cells: not cells[0].startswith("swarm, S"), "planners"
     ),
-    "records": _records,
 }
+RUNS_BLOCKS: Mapping[str, Block] = {"records": _records}

@@ -1,4 +1,4 @@
-"""Words of docs/results.md on how runs were made: commits with their days, and what has changed since."""
+"""Words of the pages of results on how runs were made: commits by day, and what has changed since."""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache

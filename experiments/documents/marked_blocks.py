@@ -79,8 +79,9 @@ def fill(document: Document, results: Path) -> Filled:
     blocks = document.blocks
     if blocks is None:
         blocks = {name: partial(ResultsFolder.text, name=f"{name}.md") for name in block_names(text)}
-        for file in sorted(folder.path.rglob("*.svg")):
-            folder.show(file.relative_to(folder.path).as_posix())
+        if document.figures:
+            for file in sorted(folder.path.rglob("*.svg")):
+                folder.show(file.relative_to(folder.path).as_posix())
     unknown = sorted(set(block_names(text)) - set(blocks))
     if unknown:
         raise ValueError(f"{document.path}: nothing is known of the blocks {', '.join(unknown)}")

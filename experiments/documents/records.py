@@ -1,7 +1,7 @@
 """Records of results: which commits made the runs, and digests of what decided them.
 
 A command that makes runs writes a record beside its tables. `experiments.publish` keeps the records of the
-results that it publishes in `docs/results/records.json`. docs/results.md shows them, and marks what has
+results that it publishes in `docs/results/records.json`. docs/results-runs.md shows them, and marks what has
 changed since.
 """
 

@@ -8,6 +8,7 @@ from functools import partial
 
 from experiments.planners.figure import draw_planners
 from experiments.plots.style import render, settings
+from experiments.tables.block_contents import texts
 from experiments.tables.document import Block, ResultsFolder
 from experiments.tables.reshape import pick, select
 from experiments.tables.table import Table
@@ -53,9 +54,7 @@ def _drawn(results: ResultsFolder) -> str:
 SHORT_TABLES: Mapping[str, Block] = {
     "planners": _drawn,
     "replanning": partial(_short, "replanning", REPLANNING),
-    "streams": partial(ResultsFolder.text, name="streams.md"),
+    **texts(("streams",)),
 }
 # Those of docs/curves.md, and of its appendix in docs/planners-tables.md.
-CURVE_TABLES: Mapping[str, Block] = {
-    name: partial(ResultsFolder.text, name=f"{name}.md") for name in ("curves", "curves-differences")
-}
+CURVE_TABLES: Mapping[str, Block] = texts(("curves", "curves-differences"))

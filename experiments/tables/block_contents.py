@@ -1,13 +1,14 @@
 """Makers of the marked blocks of documents that show tables and figures of several suites."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from experiments.runs.labels import label
 from experiments.tables.cell import verdict
-from experiments.tables.document import MADE_WITH, ResultsFolder
-from experiments.tables.reshape import join, pick, select, shorten_heads, split, spread
+from experiments.tables.document import MADE_WITH, Block, ResultsFolder
+from experiments.tables.reshape import join, keep_rows, pick, select, shorten_heads, split, spread
 from experiments.tables.table import Table, list_item
 
 GAP_COLUMNS = (
@@ -29,6 +30,42 @@ class Finding:
 
     sentence: str
     rows: tuple[tuple[str, str, str], ...]
+
+
+def texts(names: Iterable[str], folder: str = "") -> dict[str, Block]:
+    """Return makers of blocks that show whole tables.
+
+    Args:
+        names: names of the tables, which are those of the blocks.
+        folder: folder of the tables below the results of the document, with a slash behind it.
+    """
+    return {name: partial(ResultsFolder.text, name=f"{folder}{name}.md") for name in names}
+
+
+def shortened(
+    name: str,
+    rows: Collection[str],
+    results: ResultsFolder,
+    columns: tuple[str, ...] = (),
+    left_out: str = "",
+) -> str:
+    """Return some rows of a table, in the order of the table.
+
+    Args:
+        name: path of the table below the folder.
+        rows: first entries of the rows.
+        results: folder of results.
+        columns: heads of the columns; by default all.
+        left_out: end of the caption, about rows or columns that are not shown.
+
+    Raises:
+        ValueError: if the table lacks a row or a column, or its caption ends otherwise.
+    """
+    table = keep_rows(results.table(name), rows)
+    if not table.caption.endswith(left_out):
+        raise ValueError(f"table {table.name!r}: expected a caption that ends in {left_out!r}")
+    table = replace(table, caption=table.caption.removesuffix(left_out))
+    return select(table, columns or table.columns).markdown()
 
 
 def findings(chosen: Sequence[Finding], results: ResultsFolder) -> str:

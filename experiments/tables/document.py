@@ -51,7 +51,7 @@ class Document:
         figures: folder of the figures that the document shows, below docs/results.
         suite: suite or collection whose runs the document shows; empty if other commands make its results.
         blocks: maker of each block by the name in its marks. None: each block shows the table of its name,
-            and all figures of the folder are shown.
+            and all figures of the folder are shown if it has a folder of figures.
     """
 
     path: Path

@@ -1,6 +1,6 @@
 """Parts of results tables, for documents that have no room for a whole table."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from experiments.tables.cell import MISSING, Entry
@@ -37,6 +37,18 @@ def pick(table: Table, columns: tuple[str, ...], keys: Sequence[tuple[str, ...]]
     if missing:
         raise ValueError(f"table {table.name!r} has no rows of {'; '.join(missing)}")
     return replace(table, rows=[by_key[key] for key in keys])
+
+
+def keep_rows(table: Table, names: Collection[str]) -> Table:
+    """Return the table with the rows whose first entry is one of the names, in the order of the table.
+
+    Raises:
+        ValueError: if the table lacks one of the rows.
+    """
+    rows = [row for row in table.rows if str(row[0]) in names]
+    if missing := sorted(set(names) - {str(row[0]) for row in rows}):
+        raise ValueError(f"table {table.name!r} has no rows of {'; '.join(missing)}")
+    return replace(table, rows=rows)
 
 
 def split(table: Table, column: str = SETS) -> dict[str, Table]:

@@ -1,7 +1,7 @@
 """Optimizers that other libraries keep, behind the environments of this package.
 
-Each is an `Optimizer`, so that every scenario, layout, reward and controller works with it. Its name is that
-of own code, `module:Class`:
+Each is an `Optimizer`, so that every scenario, layout, reward and controller works with it. Its name has
+the form of own code, `module:Class`:
 
     from swarm_gym.env import SwarmEnv
 

@@ -92,9 +92,9 @@ TRAINING, TEST = "scenarios", "test_scenarios"
 class SwarmDACEnv(AbstractEnv):
     """A `SwarmEnv` whose scenario is the instance that DACBench has chosen.
 
-    Spaces, rewards and the end of episodes are those of `SwarmEnv`. As in all of DACBench, every episode goes
+    Spaces, rewards and the end of episodes are as in `SwarmEnv`. As in all of DACBench, every episode goes
     on to the next instance, whatever its seed; `reset(options={"instance_id": 0})` chooses one. The `info`
-    has the numbers of that of `SwarmEnv` alone, since DACBench compares infos as numbers.
+    has only the numbers that `SwarmEnv` reports, since DACBench compares infos as numbers.
 
     Attributes:
         swarm_env: the environment of the swarm.
@@ -154,13 +154,13 @@ class SwarmDACEnv(AbstractEnv):
 class SwarmBenchmark(AbstractBenchmark):
     """The benchmark: population size and repair degree of a swarm optimizer, on a set of scenarios.
 
-    The configuration has, beside what all of DACBench have:
+    The configuration has these entries besides the ones of DACBench:
 
     | entry | value |
     |---|---|
     | `optimizer` | a name in `swarm_gym.optimizers.OPTIMIZERS`, or one of own code |
     | `scenarios` | names or ranges of the training instances, all of one kind |
-    | `test_scenarios` | those of the test instances |
+    | `test_scenarios` | names or ranges of the test instances |
     | `options` | options of `swarm_gym.settings.Settings`, and parameters of the optimizer |
     | `cutoff` | iterations of an episode |
 
@@ -205,7 +205,7 @@ class SwarmBenchmark(AbstractBenchmark):
 class OneMaxBenchmark(SwarmBenchmark):
     """The benchmark whose optimum is known: lambda of the (1 + (lambda, lambda)) genetic algorithm on OneMax.
 
-    Its configuration is that of `SwarmBenchmark`, with the values of `ONEMAX` where it states none.
+    Its configuration has the entries of `SwarmBenchmark`, with the values of `ONEMAX` where it states none.
     """
 
     defaults: ClassVar["Configuration"] = ONEMAX

@@ -1,6 +1,6 @@
 """Optimizers whose iterations a library carries out, in Python.
 
-All that is not the iteration itself is that of this package: the first population, growth and shrinking,
+This package does all that is not the iteration itself: the first population, growth and shrinking,
 immigrants, events on the map, E(P). What a library remembers between iterations lies in the arrays of the
 swarm, never in objects. So environments can be copied and pickled, and swarms can branch, as all others.
 """
@@ -39,7 +39,7 @@ class LibraryOptimizer(Optimizer, Generic[OwnParameters]):
     Between iterations, members are added and deleted by the rules of the SPSFA paper: new ones are uniform in
     the box that the population spans (eq. 12), and the worst collisions are deleted first. An iteration that
     the evaluation budget cuts short leaves the members as they were; its evaluations count for the best path.
-    After an event on the map, the library has seen none of the members, which begin anew.
+    After an event on the map, the library has seen none of the members, which begin again.
 
     Attributes:
         calls_python: True: Python code may evaluate its decision vectors, such as a function of `ioh`.
@@ -128,7 +128,7 @@ class LibraryOptimizer(Optimizer, Generic[OwnParameters]):
     def re_evaluate(
         cls, swarms: Swarms, tables: Tables, chosen: Flags, mean_weight: float, num_threads: int = 1
     ) -> None:
-        """Evaluate members and the best so far anew; what the library remembered is forgotten."""
+        """Evaluate members and the best so far again; what the library remembered is forgotten."""
         swarms.registers[chosen, KNOWN] = 0
         Firefly.re_evaluate(swarms, tables, chosen, mean_weight, num_threads)
 

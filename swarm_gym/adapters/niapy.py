@@ -172,7 +172,7 @@ class NiapyParticleSwarm(NiapyOptimizer[NiapySwarmParameters]):
 
 
 class NiapyFireflyParameters(NamedTuple):
-    """Parameters of niapy's firefly algorithm; by default about those of the SPSFA paper."""
+    """Parameters of niapy's firefly algorithm; by default near the values of the SPSFA paper."""
 
     noise: Annotated[
         float, Parameter(0.004, 0.0, 1.0, "alpha", "width of the noise as a share of the range", (1e-4, 0.1))

@@ -3,7 +3,7 @@
 Runs are arrays (training seeds, scenarios, seeds). All training seeds meet the same (scenario, seed) pairs,
 so the two are crossed. A resample draws training seeds, and independently of them pairs, which all of its
 training seeds have in common (the pigeonhole bootstrap, A. B. Owen, Ann. Appl. Stat. 1 (2007)). Drawing pairs
-anew for each training seed would average their common effect away, and make intervals too narrow.
+again for each training seed would average their common effect away, and make intervals too narrow.
 
 To draw pairs, scenarios are drawn within their set, and seeds within their scenario. Sets are strata, which
 every resample has in full (the stratified bootstrap of R. Agarwal et al., "Deep reinforcement learning at the

@@ -91,7 +91,7 @@ class ComparedRuns:
         return [_mean(of_one, self._set_sizes) for of_one in values]
 
     def difference(self, values: Floats) -> list[tuple[float, Interval]]:
-        """Return the mean of each controller minus that of the first, paired by scenario and seed.
+        """Return the mean of each controller minus the mean of the first, paired by scenario and seed.
 
         Args:
             values: a number of every run, e.g. `objective()`.

@@ -78,7 +78,7 @@ def iterate(
 
     Args:
         env: environment of one swarm.
-        controller: controller, whose layouts are those of the environment.
+        controller: controller with the layouts of the environment.
         seed: seed of both.
         options: reset options of the environment.
     """

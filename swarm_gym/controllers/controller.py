@@ -140,7 +140,7 @@ class Wrapper(Controller):
 def beside_ways(source: object, needed: Mapping[str, object]) -> dict[str, object]:
     """Return the options that a controller needs, in an environment with a source of new members.
 
-    In a guided environment, smooth members lie beside planned ways, also those of a first population that a
+    In a guided environment, smooth members lie around planned ways, also in a first population that a
     controller asks for.
 
     Args:

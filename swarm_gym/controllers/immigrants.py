@@ -33,7 +33,7 @@ NOISE, IMMIGRANTS = 2, -1  # columns of the sourced action of fireflies
 class ImmigrantRule(Rule):
     """A rule for fireflies: constant decisions, and immigrants in some iterations.
 
-    All new members are smooth. The defaults of size, phi, noise and attractiveness are those of FA-60.
+    All new members are smooth. The defaults of size, phi, noise and attractiveness are FA-60's.
 
     Attributes:
         size: population size of every iteration; the default is clipped to the limits.

@@ -1,7 +1,7 @@
 """Names of controllers, taken apart and put together; no other module does either.
 
 A name is `[<optimizer>[(<iterations>)]+]<family>[:<argument>]`. The argument of a family in `FITTED` is a
-recipe or a file, `<recipe>[/<seed>][@<price>]`; that of any other family is its parameters.
+recipe or a file, `<recipe>[/<seed>][@<price>]`; any other family has its parameters there.
 
 * `spsfa-tip`: a family alone, with its default parameters.
 * `fixed:60`, `spsfa-tip:growth=500,decay=0.1`: a family with parameters.

@@ -105,7 +105,8 @@ class OneFifth(OneMaxRule):
     """The one-fifth success rule for a real lambda, which never learns n or f.
 
     Mutants and children are its whole part, and a mutant flips each bit with probability lambda / n. Of
-    eleven ways to round, this one comes nearest to the published runtimes (docs/readings.md).
+    eleven ways to round, this one comes nearest to the published runtimes
+    (docs/readings-optimizers.md).
 
     Attributes:
         factor: F; lambda is divided by it after a gain, and grows by its fourth root otherwise.
@@ -137,7 +138,7 @@ class OneFifth(OneMaxRule):
 
         Args:
             size: n, the length of the string.
-            reach: lambda ends at this multiple of that of theory, sqrt(n / (n - f)); infinite for no such
+            reach: lambda ends at this multiple of theory's lambda, sqrt(n / (n - f)); infinite for no such
                 end, which changed expected runtimes by less than 0.01 % and takes many times as long.
         """
         values = self.factor ** (np.arange(math.ceil(self.fall * math.log(size, self.factor))) / self.fall)

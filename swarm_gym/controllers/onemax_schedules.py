@@ -6,7 +6,7 @@
 | `share:four` | lambda_m, lambda_c, alpha and beta | the same |
 
 The logarithm of each decision is linear between knots, which are evenly spaced in log2(n / zeros). Above the
-last knot, both lambda grow by the square root of n / zeros, as those of theory, and alpha and beta stay.
+last knot, both lambda grow by the square root of n / zeros, as in theory, and alpha and beta stay.
 `python -m experiments.onemax --tune-schedules` tunes them again by CMA-ES; no run is simulated.
 """
 

@@ -36,7 +36,7 @@ class OpenLoop(Controller):
 
     Attributes:
         knots: decisions at a few iterations.
-        names: names of the decisions; those of sizes and phi are "population size" and "repair degree".
+        names: names of the decisions; sizes and phi are "population size" and "repair degree".
         decisions: (iterations up to the last knot, number of decisions) decisions in natural units.
     """
 

@@ -1,6 +1,6 @@
 """Files of the package and of the laboratory, found by name, and files of a user, found by path.
 
-The laboratory is the package `experiments` of a checkout of the repository. It lies beside this package, and
+The laboratory is the package `experiments` of a checkout of the repository. It lies next to this package, and
 is found there, not imported; an installed wheel has none. It has policies, open loops, tuned controllers and
 presets of studies, in `experiments/studies/<study>/data/<kind>`. `data/studies.json` has the study of each
 recipe. With it, an error says where a recipe is kept.
@@ -27,7 +27,7 @@ WITHOUT_LABORATORY = (
 
 @dataclass(frozen=True)
 class Packaged:
-    """Files of a kind that have names, e.g. policies: those of the package, then those of the laboratory.
+    """Files of a kind that have names, e.g. policies: first in the package, then in the laboratory.
 
     Args:
         folder: folder in the package; its name is the kind, which folders of studies have, too.
@@ -44,7 +44,7 @@ class Packaged:
 
     @property
     def folders(self) -> list[Path]:
-        """Folder in the package, and those of all studies where the laboratory is there."""
+        """Folder in the package, and the folders of all studies where the laboratory is there."""
         return [self.folder, *study_folders(self.kind)]
 
     def names(self) -> list[str]:
@@ -122,7 +122,7 @@ def read_json(path: Path, form: str) -> dict[str, object]:
 
 
 def has_laboratory() -> bool:
-    """Return whether the package comes from a checkout, with the laboratory beside it."""
+    """Return whether the package comes from a checkout, with the laboratory next to it."""
     return (LABORATORY / "studies").is_dir()
 
 

@@ -22,7 +22,7 @@ class Rule(Controller):
         repair_degree: phi in [0, 1] of every iteration.
         limits: population sizes that the environment allows.
         sizes: names of the parameters that are population sizes.
-        ranges: ranges of the other parameters that the class adds to those of its base class.
+        ranges: ranges of the other parameters that the class adds to its base class.
 
     Raises:
         SettingError: for a parameter outside its range, see `parameter_ranges`.
@@ -61,7 +61,7 @@ class Rule(Controller):
 
     @classmethod
     def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name, those of base classes first."""
+        """Return the range of every parameter by its name, base classes first."""
         sizes = {name: Range(limits.smallest, limits.largest, integer=True) for name in cls.sizes}
         own = [vars(one).get("ranges", {}) for one in reversed(cls.__mro__)]
         return {**sizes, **{name: span for ranges in own for name, span in ranges.items()}}

@@ -19,7 +19,7 @@ from swarm_gym.controllers.parameters import Number, Range, format_parameters, p
 
 @dataclass
 class SelfAdaptiveSchedule(Controller):
-    """The schedule SPSFA: sizes grow while E(P) exceeds that of the first population, then shrink with E(P).
+    """The schedule SPSFA: sizes grow while E(P) exceeds its first value, then shrink with E(P).
 
     Attributes:
         treats_infeasible_paths: True decides phi too (SPSFA-TIP); False is phi = 0 (SPSFA).
@@ -27,7 +27,7 @@ class SelfAdaptiveSchedule(Controller):
         decay: eta of the shrinking rule, eq. 10 and 11.
         low_deviation: T_low; phi is 0 where the standard deviation of the collision is larger.
         initial_population_size: PS(0); the default is clipped to the limits.
-        smallest: smallest population size; None is that of the limits. This parameter is not in the paper.
+        smallest: smallest population size; None takes the limit. This parameter is not in the paper.
         repair_factor: factor on phi of eq. 17, before phi is clipped to [0, 1]; 1 is the paper's rule.
         limits: population sizes that the environment allows.
 
@@ -112,7 +112,7 @@ class SelfAdaptiveSchedule(Controller):
 
 
 def parameter_ranges(limits: SizeLimits) -> dict[str, Range]:
-    """Return the range of every parameter; those of real numbers only exclude absurd values."""
+    """Return the range of every parameter; ranges of real numbers only exclude absurd values."""
     sizes = Range(limits.smallest, limits.largest, integer=True)
     return {
         "growth": Range(0.0, 1e6),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SizeLimits:
-    """Population sizes that an environment allows; the defaults are those of the environments."""
+    """Population sizes that an environment allows; the defaults are the environments' defaults."""
 
     smallest: int = 2
     largest: int = 200

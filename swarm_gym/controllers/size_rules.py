@@ -99,9 +99,9 @@ class DiversityLadder(SizeRule):
 
     Source: R. Poláková, J. Tvrdík, P. Bujok, "Differential evolution with adaptive mechanism of population
     size according to current population diversity", Swarm and Evolutionary Computation 50, 100519 (2019).
-    The diversity is the root mean square of the members' distances from their mean, relative to that of the
-    first population. It shall fall linearly to zero. Below a band around that line, the size grows by a rung;
-    above the band, it shrinks by one. In the paper, with many more generations, a rung is one member.
+    The diversity is the root mean square of the members' distances from their mean, relative to its value
+    in the first population. It shall fall linearly to zero. Below a band around that line, the size grows by
+    a rung; above the band, it shrinks by one. In the paper, with many more generations, a rung is one member.
 
     Attributes:
         rung: number of members by which the size changes.
@@ -179,7 +179,7 @@ class IncreasingSize(SizeRule):
     2005. The rule sees a restart after the first generation of a run, which still has the former size.
 
     Attributes:
-        start: size of the first run; the default is that of CMA-ES in ten dimensions, 4 + 3 log 10.
+        start: size of the first run; the default is CMA-ES's in ten dimensions, 4 + 3 log 10.
         smallest: smallest size; it has an effect only above `start`.
         factor: factor of the size; 2 in the paper.
     """

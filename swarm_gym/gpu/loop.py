@@ -69,7 +69,7 @@ class OptimizerKernels(NamedTuple):
 
     Attributes:
         make_iterate: (problem, population) -> the function that advances a swarm by one iteration.
-        make_recall: population -> the function that evaluates anew what is remembered of each member.
+        make_recall: population -> the function that evaluates again what is remembered of each member.
         settle: (swarms, b, tables, p, lane, first, size) stores what the optimizer remembers of new members.
         start: (parameters, swarms, b, tables, p, lane, size, stream) -> stream; prepares a drawn population.
     """
@@ -89,7 +89,7 @@ class Entries(NamedTuple):
         begin: (..., given) begins swarms with populations that are drawn, or that their first positions hold
             if these are `given`.
         step: (..., repair_degrees) resizes swarms and advances them by an iteration.
-        re_evaluate: (..., False) evaluates anew what swarms remember, since their problems have changed.
+        re_evaluate: (..., False) evaluates again what swarms remember, since their problems have changed.
     """
 
     begin: Entry

@@ -65,7 +65,7 @@ def start(
 
 
 def make_recall(population: PopulationKernels) -> Callable[..., Tally]:
-    """Return the function that evaluates anew the best position of each particle."""
+    """Return the function that evaluates again the best position of each particle."""
     evaluate_path = population.evaluate_path
 
     @kernel
@@ -104,7 +104,7 @@ def make_iterate(
         stream: Stream,
         tally: Tally,
     ) -> tuple[Stream, Tally]:
-        """Advance swarm `b`; the best position of the swarm is that of the iteration before."""
+        """Advance swarm `b`; the best position of the swarm is from the iteration before."""
         number = swarms.positions.dtype.type
         progress = number(swarms.iteration[b] / max(swarms.iterations[b] - 1, 1))
         inertia = parameters[b, _FIRST] + (parameters[b, _LAST] - parameters[b, _FIRST]) * progress

@@ -145,7 +145,7 @@ def num_staying(swarms: Swarms, b: int, size: int, new_size: int) -> int:
 
 @kernel
 def begin_arrivals(swarms: Swarms, b: int, lane: int) -> None:
-    """Delete the records of new members that those of this iteration replace."""
+    """Delete the records of new members that records of this iteration replace."""
     window = swarms.arrivals.shape[2]
     if window > 0 and lane == 0:
         now = swarms.iteration[b] % window

@@ -30,7 +30,7 @@ class Stream(NamedTuple):
 
 @kernel
 def load_stream(streams: NDArray[np.uint64], b: int, lane: int) -> Stream:
-    """Return the stream of a lane, of those of all swarms, (B, 4, 8)."""
+    """Return the stream of a lane, from the streams of all swarms, (B, 4, 8)."""
     column = lane % BLOCK
     return Stream(streams[b, 0, column], streams[b, 1, column], streams[b, 2, column], streams[b, 3, column])
 

@@ -90,7 +90,7 @@ class DeviceSimulation(Simulation):
         self._launch(self._entries.step, chosen, decisions.parameters, self._degrees)
 
     def re_evaluate(self, chosen: NDArray[np.bool_]) -> None:
-        """Evaluate anew what the chosen swarms remember, since their problems have changed."""
+        """Evaluate again what the chosen swarms remember, since their problems have changed."""
         self._launch(self._entries.re_evaluate, chosen, self.parameters, False)
 
     def _launch(

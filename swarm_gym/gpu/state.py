@@ -89,7 +89,7 @@ def with_numbers(array: np.ndarray, number: type[np.floating]) -> np.ndarray:
 def tables_with_lanes(tables: Tables, number: type[np.floating] = np.float64) -> Tables:
     """Return stacked problem tables whose arrays over components or segments have one entry for each lane.
 
-    The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do. Floats have the type
+    The entries beyond them change nothing, as in `swarm_gym.problem.padding`. Floats have the type
     `number`.
     """
     fields = {name: with_numbers(array, number) for name, array in tables._asdict().items()}

@@ -6,7 +6,7 @@ segment k of a path, so that arrays over components have 32 columns on the devic
 Kernels compute in the type of the swarms' arrays, float64 or float32. So they use the numbers `ZERO`, `HALF`,
 `ONE` and `TWO`: these are exact in float32, and do not turn a number of that type into float64.
 
-The functions are those of `hardware`, or with `NUMBA_ENABLE_CUDASIM=1` those of `simulator`.
+The functions come from `hardware`, or with `NUMBA_ENABLE_CUDASIM=1` from `simulator`.
 """
 
 from types import ModuleType

@@ -57,7 +57,7 @@ _SPACING = 2.0**-53  # of the random numbers in [0, 1)
 
 @kernel
 def left_end(place: float, lane: int) -> float:
-    """Return the offset at the left end of this lane's segment: that of the waypoint before."""
+    """Return the offset at the left end of this lane's segment: the offset of the waypoint before."""
     before = from_lane(place, (lane - 1) & (NUM_LANES - 1))
     return before if lane > 0 else ZERO
 
@@ -68,7 +68,7 @@ def circle_shifts(
 ) -> tuple[float, float]:
     """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`.
 
-    `entry` is the place of the first number of the circle among those of problem `p`.
+    `entry` is the place of the first number of the circle among the numbers of problem `p`.
     """
     from_centre = left - tables.rows[p, entry + CENTRE_Y * BLOCK]
     begin = from_centre + rise * tables.rows[p, entry + BEGIN_SHARE * BLOCK]
@@ -201,8 +201,8 @@ def draw_bend(
 ) -> float:
     """Return the offset of this lane in a smooth bend, see `swarm_gym.problem.geometry.bends.draw_bend`.
 
-    `noise` is a number of each lane, uniform in [0, 1), or 1 by rounding; that of lane 0, which is below
-    `share`, chooses the middle path.
+    `noise` is a number of each lane, uniform in [0, 1), or 1 by rounding; the number of lane 0, which is
+    below `share`, chooses the middle path.
     """
     num_middles = tables.middles.shape[1]
     chosen = min(int(from_lane(noise, 0) / share * num_middles), num_middles - 1)

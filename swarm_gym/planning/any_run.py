@@ -11,6 +11,6 @@ from swarm_gym.planning.tasks import Task
 def run_of(
     task: Task, request: Request, began: float, is_stopped: Callable[[], bool]
 ) -> PlanningRun | DriveRun:
-    """Return the run of a request on a task; arguments and errors are those of both classes."""
+    """Return the run of a request on a task; both classes describe arguments and errors."""
     kind = PlanningRun if request.turning_radius is None else DriveRun
     return kind(task, request, began, is_stopped)

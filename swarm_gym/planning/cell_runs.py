@@ -48,7 +48,7 @@ class Runs:
 
     @cached_property
     def neighbours(self) -> tuple[list[int], list[int]]:
-        """Numbers of the runs beside each run, one run after the other, and where those of each begin.
+        """Numbers of the runs next to each run, one run after the other, and where the numbers of each begin.
 
         Flat lists, since many small ones keep the garbage collector busy.
         """

@@ -22,7 +22,7 @@ def certified(task: Task, path: Floats) -> Floats | None:
     """Return a path on the grown map, (k, 2), that keeps the margin on the map as given, or None.
 
     On grid maps, small cells that were opened at the ends may let a path come too close there. Then its end
-    is planned anew by the exact planner, on a part of the map.
+    is planned again by the exact planner, on a part of the map.
     """
     if task.margin == 0.0 or not isinstance(task.given, GridScenario) or _keeps_margin(task, path):
         return path
@@ -53,7 +53,7 @@ def _keeps_margin(task: Task, path: Floats) -> bool:
 
 
 def _begun_anew(task: Task, path: Floats) -> Floats:
-    """Return a path, (k, 2), with its beginning planned anew, or as it is if that was no use."""
+    """Return a path, (k, 2), with its beginning planned again, or as it is if that was no use."""
     assert isinstance(task.grown, GridScenario)
     along = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
     for cells in ANEW:

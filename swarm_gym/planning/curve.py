@@ -83,8 +83,8 @@ class Curve:
     def sampled(self, spacing: float) -> Floats:
         """Return poses along the curve with the columns `COLUMNS`, (n, 5).
 
-        Each piece begins with a pose. Curvature and direction are those of the piece behind a pose, and at
-        the end those of the last piece. The direction is 1 forwards and -1 backwards.
+        Each piece begins with a pose. Curvature and direction belong to the piece behind a pose, and at
+        the end to the last piece. The direction is 1 forwards and -1 backwards.
 
         Args:
             spacing: largest distance between two poses along the curve, in map units.

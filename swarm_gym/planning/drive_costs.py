@@ -1,7 +1,7 @@
 """Sums of wishes of drivable curves, and the weights that count where a caller names none.
 
 The sum of a curve is the integral of 1 + ground c(x) + distance e(x) + curvature (r k)^2 along it, in map
-units. Here k is the curvature and r the turning radius. On a map of cells c and e are those of
+units. Here k is the curvature and r the turning radius. On a map of cells c and e are as in
 `swarm_gym.planning.wishes`. Among circles and polygons e = exp(-(d - margin) / decay) has the distance d of
 the point itself. The decay is the margin or the turning radius, whichever is larger. Each change between
 driving forwards and backwards adds one turning radius.

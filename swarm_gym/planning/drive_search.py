@@ -107,7 +107,7 @@ class DriveSearch:
             driving: limits of the robot.
             bending: weight of curvature.
             seed: seed of the draws of local improvements.
-            field: obstacles and costs that count instead of those of the map, such as with walls.
+            field: obstacles and costs that count instead of the map's, such as with walls.
         """
         self._map, self._driving = drive_map, driving
         self._field = drive_map.field if field is None else field

@@ -21,7 +21,7 @@ MOST_MOVES = 8  # of an end that lies in several outlines
 
 @dataclass(frozen=True)
 class Frame:
-    """Coordinates with another origin and unit than those of the map.
+    """Coordinates with another origin and unit than the map has.
 
     Attributes:
         origin: point of the map that is the origin of the frame, in map units.

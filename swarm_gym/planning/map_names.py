@@ -20,10 +20,10 @@ def ending_of(name: str | Path) -> str:
 
 
 def is_map_file(name: str, endings: Sequence[str]) -> bool:
-    """Return whether a name is that of a map file, and not of a scenario.
+    """Return whether a name stands for a map file, and not for a scenario.
 
     A file that exists and has one of the endings is a map file, whatever else its name has. Of the other
-    names, those of scenarios are no map files, and those with one of the endings are.
+    names, scenarios are no map files, and names with one of the endings are.
 
     Args:
         name: name of a file, here or in the data folder, or of a scenario.

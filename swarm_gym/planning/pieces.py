@@ -1,6 +1,6 @@
 """Polygons of any form, cut into few convex pieces whose union is the polygon.
 
-A constrained Delaunay triangulation is made coarser: a diagonal is removed wherever the two pieces beside it
+A constrained Delaunay triangulation is made coarser: a diagonal is removed wherever the two pieces next to it
 are convex together. Two pieces of a polygon that touch along an edge share that edge as a whole.
 
 Source: S. Hertel, K. Mehlhorn, "Fast triangulation of simple polygons", FCT 1983, LNCS 158. The number of

@@ -123,12 +123,12 @@ class Planner:
         start_heading: float | None = None,
         goal_heading: float | None = None,
     ) -> Plan:
-        """Return the best path from start to goal; other arguments are those of `swarm_gym.plan`.
+        """Return the best path from start to goal; `swarm_gym.plan` describes the other arguments.
 
         Args:
             start: (x, y) in the coordinates of the map; a scenario has its own.
             goal: (x, y) in the coordinates of the map; a scenario has its own.
-            previous: points of a former path to the goal, (k, 2). A robot that is on its way is beside it:
+            previous: points of a former path to the goal, (k, 2). A robot that is on its way is off it:
                 the rest of the path from the start counts.
             alternatives: number of paths to return, at most.
             max_seconds: seconds after which the best path so far is returned, or the previous one if it is

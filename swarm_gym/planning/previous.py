@@ -51,7 +51,7 @@ def require_previous(path: ArrayLike, task: Task) -> Floats:
 def read_previous(file: Path) -> Floats:
     """Return the path of a CSV file with columns x and y, (k, 2), as `--output path.csv` writes it.
 
-    Further columns, those of a curve, are left out.
+    Further columns, which curves have, are left out.
 
     Raises:
         SettingError: if the file is missing or has other content.

@@ -38,18 +38,18 @@ class Plan:
     Attributes:
         map: the map as it was given, with start and goal; in metres for longitude and latitude.
         path: (k, 2) points from start to goal, in the coordinates of the map's file.
-        length: length of the path, in map units: those of the file, or metres for longitude and latitude.
+        length: length of the path, in units of the map file, or metres for longitude and latitude.
         clearance: least distance of the path from an obstacle, in map units; infinite without obstacles, and
             NaN where it is unknown, as when a `Planner` runs out of time.
-        evaluations: evaluations of the optimizer, and those of final repairs.
-        seconds: time that planning took, without that of `gap`.
+        evaluations: evaluations of the optimizer and of final repairs.
+        seconds: time that planning took, without the time of `gap`.
         gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
             None where it is unknown.
         found_by: "exact planner"; "wishes" for the least sum of wishes that was found; "previous corridor" if
             the best path in another corridor is not better by the margin; "swarm"; "guide" if nothing was
             shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; "previous
             path" if nothing was shorter than that path after its repair; the last three with " and planner"
-            if pieces of the path were planned anew; "curve search" for a curve with a turning radius.
+            if pieces of the path were planned again; "curve search" for a curve with a turning radius.
         stopped: whether Ctrl-C, a `Planner`'s time limit or its cancelling ended planning.
         improvements: the paths that were the best one in turn, the last of which is `path`.
         projection: projection from longitude and latitude to metres; None for coordinates in a plane.
@@ -81,7 +81,7 @@ class Plan:
 
     @property
     def path_on_map(self) -> Floats:
-        """The path in map units, (k, 2): that of `path`, or in metres for longitude and latitude."""
+        """The path in map units, (k, 2): `path` itself, or in metres for longitude and latitude."""
         return self.on_map(self.path)
 
     def on_map(self, path: Floats) -> Floats:

@@ -158,7 +158,7 @@ class Search:
     def _next_guide(self) -> Floats | None:
         """Return the way that the next episode begins around, on grid maps.
 
-        At first it is that of A*, or the repair of a previous path; then others.
+        At first it is the way of A*, or the repair of a previous path; then others.
         """
         scenario = self._task.grown
         if not isinstance(scenario, GridScenario):

@@ -47,7 +47,7 @@ def kept_corridor(
 
 
 def rest_of(path: Floats, start: tuple[float, float]) -> Floats:
-    """Return the rest of a path, (k, 2), for a robot beside it, which first goes to the nearest point of it.
+    """Return the rest of a path, (k, 2), for a robot off it, which first goes to the nearest point of it.
 
     Args:
         path: points from a former start to the goal.

@@ -115,7 +115,7 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
     """Write the path of a plan to files, each in the format that its ending names; return their names.
 
     A GeoJSON file has all alternatives. Those behind the first have files of their own in other formats,
-    such as `path-2.csv` beside `path.csv`.
+    such as `path-2.csv` next to `path.csv`.
 
     No file is written before the contents of all are complete, and each is written completely or not at all.
 

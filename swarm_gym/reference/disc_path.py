@@ -72,7 +72,7 @@ def place(grid: SightGrid, corner: int, angle: float, distance: float) -> tuple[
 
 
 def _outside(grid: SightGrid, radius: float, arc: Arc, halvings: int) -> list[tuple[float, float]]:
-    """Return points outside an arc: one where its tangents meet if that is free, else those of its halves."""
+    """Return points outside an arc: one where its tangents meet if it is free, else points of its halves."""
     middle, half = 0.5 * (arc.begin + arc.end), 0.5 * (arc.end - arc.begin)
     point = place(grid, arc.corner, middle, radius / math.cos(half))
     if halvings == 0 or half == 0.0 or _is_free(grid, radius, arc, point):

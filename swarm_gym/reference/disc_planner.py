@@ -191,7 +191,7 @@ class DiscPlanner:
         return None
 
     def _lane(self, lane: int) -> _Lane:
-        """Return the tangents that leave a lane; those of all lanes of a corner are found together."""
+        """Return the tangents that leave a lane; tangents of all lanes of a corner are found together."""
         if lane not in self._lanes:
             corner = int(self._arcs.corners[lane // 2])
             made: dict[int, _Lane] = {}

@@ -106,7 +106,7 @@ class MapView(View):
             pen.draw.circle(pen.surface, OBSTACLE, self.pixels(np.array([x, y])), radius * self._scale)
 
     def _draw_end(self, pen: Pen, name: str, point: Point | Floats, colour: Colour, corners: int) -> None:
-        """Draw a mark at a point of the map, and its name in a box beside it."""
+        """Draw a mark at a point of the map, and its name in a box next to it."""
         at = self.pixels(np.array(point))
         self._draw_mark(pen, at, colour, corners)
         side = 1 if at[1] + pen.px(40) < self.border.bottom else -1

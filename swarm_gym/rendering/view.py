@@ -55,7 +55,7 @@ class View(ABC):
         pen.text(top, (before, border.top), "topright")
 
     def pixels(self, points: Floats) -> Floats:
-        """Convert coordinates (..., 2) to those of the picture, whose y grows downwards."""
+        """Convert coordinates (..., 2) to coordinates of the picture, whose y grows downwards."""
         x_min, y_min, _, y_max = self._extent
         if self._y_up:
             return self._origin + (points - (x_min, y_min)) * [self._scale, -self._scale]
@@ -70,7 +70,7 @@ class View(ABC):
         """Explain the colours and marks, below the border."""
 
     def _height_limits(self) -> tuple[str, str]:
-        """Return the texts beside the bottom and the top of the border."""
+        """Return the texts next to the bottom and the top of the border."""
         _, low, _, high = self._extent
         bottom, top = (low, high) if self._y_up else (high, low)
         return f"{bottom:g}", f"{top:g}"

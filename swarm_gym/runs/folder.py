@@ -29,7 +29,7 @@ def is_begun(folder: Path) -> bool:
 def prepare_folder(
     folder: Path, options: Mapping[str, object], resume: bool, not_compared: Collection[str]
 ) -> FileLock:
-    """Store the configuration of a new run, or compare that of a resumed run and delete its partial files.
+    """Store the configuration of a new run, or compare a resumed run's and delete its partial files.
 
     Args:
         folder: folder of the run.

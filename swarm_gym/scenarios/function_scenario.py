@@ -21,7 +21,7 @@ In two dimensions these are the usual functions:
 
 Their forms in more dimensions are defined here, except the chain of Bohachevsky's, which is common. The paper
 does not print the domains; [-5.12, 5.12] for Rastrigin's and [-10, 10] for the others is a reading, see
-docs/readings.md.
+docs/readings-optimizers.md.
 """
 
 import math
@@ -76,7 +76,7 @@ class FunctionScenario:
         name: name under which results are filed.
         function: a name in `FUNCTIONS`.
         dimension: D, the length of a decision vector.
-        optimum: (D,) position of the minimum, inside the domain; by default that of the formula.
+        optimum: (D,) position of the minimum, inside the domain; by default as in the formula.
 
     Raises:
         UnknownNameError: if there is no such function.

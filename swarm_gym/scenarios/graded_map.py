@@ -54,7 +54,7 @@ class Grading:
 
     Attributes:
         unknown: meaning of unknown cells, one of `UNKNOWN_CELLS`; "dear" is free at the cost `DEAR`.
-        lethal: value from which cells are blocked, in the scale of the map; None for that of `SCALES`.
+        lethal: value from which cells are blocked, in the scale of the map; None takes it from `SCALES`.
         terrain: cost of ground by letter, for maps of Moving AI; infinite for blocked. Letters that are left
             out mean what they do without it.
 

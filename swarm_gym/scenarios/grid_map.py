@@ -106,7 +106,7 @@ class GridMap:
         """Numbers of the connected components of the free cells, shape (height, width); 0 where blocked.
 
         A path steps to one of the eight neighbours, and diagonally only between two free cells. Two straight
-        steps replace such a diagonal step, so the components are those of steps to four neighbours.
+        steps replace such a diagonal step, so the components are the same with steps to four neighbours.
         """
         from scipy import ndimage
 

@@ -2,7 +2,7 @@
 
 Source: J. de Nobel et al., "IOHexperimenter: benchmarking platform for iterative optimization heuristics",
 Evolutionary Computation 32, 2024. `ioh` evaluates these functions one vector at a time, called from Python.
-Numbers of functions and instances are those of `ioh`:
+`ioh` defines the numbers of functions and instances:
 
 | suite | functions | dimensions | domain |
 |---|---|---|---|
@@ -62,7 +62,7 @@ SUITES = {
 class IohScenario(FunctionScenario):
     """The task to find the minimum of a function of `ioh`, from which its least value is subtracted.
 
-    So the least value is 0, as that of every test function. Compiled optimizers cannot call `ioh`;
+    So the least value is 0, as for every test function. Compiled optimizers cannot call `ioh`;
     optimizers of `swarm_gym.adapters` can.
 
     Attributes:

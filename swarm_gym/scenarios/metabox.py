@@ -2,7 +2,7 @@
 
 MetaBox compares learned optimizers on these functions. Source: the program of Z. Ma et al., "MetaBox-v2: a
 unified benchmark platform for meta-black-box optimization", NeurIPS 2025; `bbob.metabox_instance` draws the
-instances. The functions are those of BBOB, but for two things: the functions 2, 3 and 4 are of a rotated
+instances. The functions are BBOB's, but for two things: the functions 2, 3 and 4 are of a rotated
 vector, and instances are drawn in another way.
 
 `metabox-bbob:4-10` is function 4 in ten dimensions, from the seed 3849. `metabox-bbob:4-10-seed:7` is drawn
@@ -47,7 +47,7 @@ class MetaBoxScenario(BbobScenario):
         function: `metabox-bbob-1` to `metabox-bbob-24`.
         dimension: D, the length of a decision vector, 10 or 30.
         optimum: (D,) x_opt, the position of the minimum; it follows from the others.
-        instance: seed of the instance, by default that of MetaBox's own data set.
+        instance: seed of the instance, by default the seed of MetaBox's own data set.
         biased: whether f_opt is drawn, as in data sets of MetaBox by default; else it is 0.
 
     Raises:

@@ -95,7 +95,7 @@ def expand_name(name: str) -> tuple[str, ...]:
 
 
 def is_known(name: object) -> bool:
-    """Return whether a name is that of a scenario here, or begins with a family; its form is not checked."""
+    """Return whether a name stands for a scenario here, or begins with a family; its form is not checked."""
     return name in SCENARIOS or _family_of(name) is not None
 
 

@@ -244,8 +244,8 @@ def foreign_options(name: str) -> frozenset[str]:
 def refuse_foreign(name: str, options: Mapping[str, object]) -> None:
     """Raise an error for options that an algorithm lacks, unless they have no effect.
 
-    Some options have no effect: those of networks, gradients and evolution, which presets hand on to presets
-    like them, and any whose value means that it is not used.
+    Some options have no effect: options of networks, gradients and evolution, which presets hand on to
+    presets like them, and any whose value means that it is not used.
 
     Raises:
         UnknownNameError: if there is no such algorithm.

@@ -27,7 +27,7 @@ def named_options(arguments: Sequence[str] | None, preset: str | None = None) ->
     """Return the options of the preset, with the algorithm, that a command line names.
 
     Args:
-        arguments: the command line; None is that of the process.
+        arguments: the command line; None takes the process's.
         preset: preset to take instead of the one that is named.
 
     Raises:

@@ -128,13 +128,13 @@ class TrainConfig:
         return SizeLimits(self.min_population_size, self.max_population_size)
 
     def options(self) -> dict[str, object]:
-        """Return all options by name, those of the algorithm beside the others."""
+        """Return all options by name, with the options of the algorithm."""
         algorithm = dataclasses.asdict(self.algorithm)
         shared = {name: getattr(self, name) for name in SHARED}
         return {**shared, "algorithm": algorithm.pop("name"), **algorithm}
 
     def changed(self, **options: object) -> "TrainConfig":
-        """Return this configuration with other values of some options, also of those of the algorithm.
+        """Return this configuration with other values of some options, also of the algorithm.
 
         Another algorithm takes over the options that both algorithms have, and imitates no controller unless
         both do. Its other options have their defaults.

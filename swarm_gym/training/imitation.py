@@ -82,7 +82,7 @@ def demonstrate(
     """Return whole episodes of a controller; without one, episodes in which the base is not corrected.
 
     Actions have the noise with which the policy will explore, since its critic is used in such states. The
-    discount is that of the training, since values are sums of discounted rewards.
+    discount is the training's, since values are sums of discounted rewards.
 
     Args:
         controller: controller to imitate, if any.

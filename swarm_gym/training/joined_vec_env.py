@@ -53,7 +53,7 @@ class JoinedVecEnv(VecEnv):
         self.parts[0].num_common_steps = count
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed the next episodes, those of each part differently."""
+        """Seed the next episodes, each part differently."""
         if seed is None:
             seed = int(np.random.default_rng().integers(2**31))
         for number, part in enumerate(self.parts):

@@ -1,6 +1,6 @@
 """The names of the paired reward of trainings, and of the reward that it is computed from.
 
-It is the policy's final result relative to that of a reference controller from the same start, see
+It is the policy's final result relative to a reference controller's from the same start, see
 `swarm_gym.wrappers.paired_reward`.
 """
 

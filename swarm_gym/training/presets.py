@@ -13,7 +13,7 @@ algorithm and its options are in a table:
 
 Without a name, the table is for the algorithm of the preset in `like`. Another algorithm takes over the
 options that both have, and its other options begin from their defaults. Presets of earlier versions have no
-table: `algorithm = "evolution"`, and its options stand beside the others. They are read as before, and may
+table: `algorithm = "evolution"`, and its options stand among the others. They are read as before, and may
 state options that the algorithm lacks, as long as these have no effect.
 """
 

@@ -40,7 +40,7 @@ class Progress:
 
     @contextmanager
     def during(self, phase: str) -> Iterator[None]:
-        """Name a phase in which no steps are counted, such as a validation, beside the name of the run."""
+        """Name a phase in which no steps are counted, such as a validation, after the name of the run."""
         self._bar.set_description(f"{self._name}, {phase}")
         yield
         self._bar.set_description(self._name)

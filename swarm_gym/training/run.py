@@ -152,7 +152,7 @@ class TrainingRun:
         options: EnvOptions,
         look: Callable[[Simulation], None] = look_away,
     ) -> dict[str, Episodes]:
-        """Run episodes on the validation seeds of each scenario; `look` sees those of the first scenario.
+        """Run episodes on the validation seeds of each scenario; `look` sees the first scenario.
 
         Where the policy is trained on several optimizers, episodes are named by optimizer and scenario.
         """

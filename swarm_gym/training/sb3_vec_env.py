@@ -15,8 +15,8 @@ class SB3VecEnv(NativeVecEnv):
     """A native vector of swarms in which a policy may correct a base.
 
     Args:
-        env: environment with scaled actions; with a base, the columns of its observations are those of the
-            base and then those of the policy.
+        env: environment with scaled actions; with a base, its observations have the columns of the base
+            and then the columns of the policy.
         base: controller to whose decisions the actions are added, if any.
         reference: reference whose return from the same start is subtracted at the end of an episode, if any.
 

@@ -2,9 +2,9 @@
 
 The objective is the mean over episodes of log(final gap) plus the price of the evaluations, to be minimised.
 The gap is the best fitness minus mu times the length of the straight line. Episodes have training scenarios
-and training seeds only. The budget is in environment steps, by default that of a training preset, so that
-tuned and learned controllers take the same effort. A run that was stopped and resumed equals one that was
-not. Example: `swarm-gym tune --what schedule --preset three-cases`.
+and training seeds only. The budget is in environment steps, by default the budget of a training preset, so
+that tuned and learned controllers take the same effort. A run that was stopped and resumed equals one that
+was not. Example: `swarm-gym tune --what schedule --preset three-cases`.
 """
 
 import argparse

@@ -91,8 +91,8 @@ class Axis:
 class KnotSpace:
     """The decisions at the knots of a configuration as points in [0, 1]^n.
 
-    The first coordinates are those of every decision at all knots, decision by decision. The last ones are
-    those of the first population, if they are decided. Decisions that are held have no coordinates.
+    The first coordinates are for every decision at all knots, decision by decision. The last ones are
+    for the first population, if it is decided. Decisions that are held have no coordinates.
 
     Raises:
         SettingError: for knots or an action that an open loop cannot have, or a decision that cannot be held.

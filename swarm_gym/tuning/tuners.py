@@ -44,7 +44,7 @@ class ControllerKind:
     Attributes:
         make: function that makes the tuner of a configuration.
         options: names of the `SPECIAL` options that the kind has.
-        defaults: options with other defaults than those of `TuneConfig`.
+        defaults: options with other defaults than in `TuneConfig`.
     """
 
     make: Callable[[TuneConfig], Tuner]

@@ -4,7 +4,7 @@ The luck of a start is common to a group, and the mean of the group takes it out
 Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there, advantages are not divided by the
 group's standard deviation: the mean return is the objective.
 
-Noise that is held for several steps earns one advantage, that of the step in which it was drawn. Otherwise
+Noise that is held for several steps earns one advantage, of the step in which it was drawn. Otherwise
 the later steps of the same noise would be praised for its later gains, and not blamed for its earlier costs;
 policies learned so ended with too large populations.
 """

@@ -1,4 +1,4 @@
-"""The reward relative to that of a reference controller from the same start.
+"""The reward relative to a reference controller's from the same start.
 
 With `final-gap`, the reward at the end of an episode compares final gaps: log(gap of the reference) minus
 log(gap of the policy). The price of the policy's evaluations is subtracted. Advantages of a start that any

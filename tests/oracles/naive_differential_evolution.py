@@ -1,4 +1,4 @@
-"""Plain-Python oracle of differential evolution, L-SHADE; docs/readings.md has what its paper leaves open.
+"""Plain-Python oracle of differential evolution, L-SHADE; docs/readings-optimizers.md has its readings.
 
 A generation first makes and evaluates all trials, then selects, archives and remembers.
 """

@@ -1,4 +1,4 @@
-"""Plain-Python oracles for paths on grid maps: loops straight from the MOA paper and docs/readings.md.
+"""Plain-Python oracles for paths on grid maps: loops straight from the MOA paper and its readings.
 
 Everything is done in map coordinates, point by point; the kernels work in cells, on tables of weights. Shared
 with the package are only the classes that describe a scenario, and the table of nearest free cells, of which

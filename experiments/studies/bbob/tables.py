@@ -1,4 +1,4 @@
-"""The tables and the document of the study of the BBOB functions.
+"""The tables of the study of the BBOB functions.
 
 A run is measured by the decimal logarithm of its precision, the best value above the least one. Values below
 1e-8 count as 1e-8, as in COCO (N. Hansen et al., "COCO: a platform for comparing continuous optimizers in a
@@ -14,9 +14,15 @@ from experiments.runs.measures import LEAST_PRECISION, log_precision
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import Difference, Draws, difference, draw, holm, interval, means
-from experiments.studies.bbob.suites import BASELINE, BUDGET, CONTROLLERS, DIMENSION, OPTIMIZERS, name_of
+from experiments.studies.bbob.suites import (
+    BASELINE,
+    BUDGET,
+    CONTROLLERS,
+    DIMENSION,
+    OPTIMIZERS,
+    name_of,
+)
 from experiments.tables.cell import MISSING, Entry, number, number_in, share_in, signed_p
-from experiments.tables.document import document_of_suite
 from experiments.tables.table import Row, Table
 from swarm_gym.scenarios import BbobScenario, make_scenario
 
@@ -135,4 +141,3 @@ def _differences(compared: Difference | None, p_value: float) -> Row:
 
 
 TABLES = {"bbob-groups": group_tables, "bbob-rules": rule_tables}
-DOCUMENTS = {"bbob": (document_of_suite("docs/bbob.md", "bbob"),)}

@@ -15,9 +15,9 @@ from experiments.studies.dynamic.over_time import over_time_tables
 from experiments.studies.dynamic.recovery import recovery_tables
 from experiments.studies.dynamic.seeing import seeing_tables
 from experiments.studies.dynamic.suites import DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS
-from experiments.tables.block_contents import figure, findings
+from experiments.tables.block_contents import figure, findings, texts
 from experiments.tables.cell import MISSING, number, number_in, share_in
-from experiments.tables.document import Block, Document, ResultsFolder
+from experiments.tables.document import Block, Document
 from experiments.tables.table import Row, Table
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
@@ -90,7 +90,7 @@ SHOWN = (
     ),
     *(f"{DYNAMIC_ROBOTS.name}/{name}" for name in ("robots", "made-with")),
 )
-TABLE_BLOCKS: dict[str, Block] = {name: partial(ResultsFolder.text, name=f"{name}.md") for name in SHOWN}
+TABLE_BLOCKS: dict[str, Block] = texts(SHOWN)
 DOCUMENTS = {
     "dynamic": (
         Document(Path("docs/dynamic.md"), RESULTS, "dynamic-study", COLLECTION, BLOCKS),

@@ -3,6 +3,8 @@
 The IAFSA paper states no criterion of convergence; ours is that of `experiments.runs.run`.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from experiments.runs.labels import OPTIMIZER_LABELS
@@ -71,4 +73,13 @@ TABLES = {
     "iafsa-shifted": shifted_tables,
     "iafsa-routes": route_tables,
 }
-DOCUMENTS = {"iafsa": (document_of_suite("docs/iafsa-paper.md", "iafsa-paper"),)}
+COLLECTION = "iafsa-paper"
+DOCUMENTS = {
+    "iafsa": (
+        document_of_suite("docs/iafsa-paper.md", COLLECTION),
+        *(
+            replace(document_of_suite(f"docs/{page}.md", COLLECTION), figures="")
+            for page in ("iafsa-claims", "iafsa-routes")
+        ),
+    )
+}

@@ -20,8 +20,7 @@ SHOWN = (
 IN_SHORT = (
     "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
     "CMA-ES, waypoints, guided", PLANNED, "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
-    "L-SHADE, spherical, uniform", "niapy L-SHADE, waypoints", "PSO, spherical, uniform",
-    "cmaes CMA-ES, spherical",
+    "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
 )  # fmt: skip
 # Rows of its appendix, over the terrains on which controllers ran.
 BESIDE_CONTROL = (
@@ -33,6 +32,7 @@ BESIDE_CONTROL = (
     "L-SHADE, constants, size and phi, waypoints, guided",
     "L-SHADE, SPSFA-TIP, waypoints, guided",
     *IN_SHORT,
+    "L-SHADE, spherical, uniform",
 )
 
 

@@ -30,7 +30,7 @@ class PolicyFileError(ValueError):
 
 
 class Manifest(TypedDict):
-    """The checked entries of a policy's manifest, and those that trainings write beside them.
+    """The checked entries of a policy's manifest, and further entries that trainings write.
 
     `check_manifest` says what each of the checked entries can be.
     """

@@ -53,7 +53,7 @@ class FeedforwardController(Controller):
         path: file of the policy, for messages.
         weights: tensors of the file, as `policy_file.load_policy` checked them.
         manifest: manifest of the file.
-        limits: population sizes that the environment allows; None are those of the training.
+        limits: population sizes that the environment allows; None takes the sizes of the training.
         price: price of 100,000 evaluations, for a policy that observes it; None is the middle of the
             training's range.
         make_controller: function that makes the base, for a policy that corrects another controller.

@@ -43,7 +43,7 @@ def carried_out(decided: NDArray, proposal: Proposal | None) -> NDArray:
 class Base:
     """A controller whose decisions a policy corrects.
 
-    The columns of the controller's observation layout come first, then those of the policy's layout. The
+    The columns of the controller's observation layout come first, then the policy's columns. The
     policy observes its own columns and the decisions that the controller proposes.
 
     Args:

@@ -38,7 +38,7 @@ def plan_flight(
 ) -> Flight:
     """Return a short flight over terrain that keeps to the altitude band and the limits, and out of threats.
 
-    A coarse graph, and swarms that begin beside its flights, look for routes, seen from above. Over each
+    A coarse graph, and swarms that begin around its flights, look for routes, seen from above. Over each
     route the shortest flight in the altitude band is known, see `profile`, and whether there is one.
     Episodes run until a budget is spent, each from another seed; without a budget, `EPISODES` do. With more
     evaluations the flight is never longer. Where the straight line can be flown, it is the result, unless an

@@ -139,7 +139,7 @@ def _pieces_inside(track: GroundTrack, x: float, y: float, reach: float) -> NDAr
 
 
 def _beside(pieces: Floats) -> Floats:
-    """Return for each node the larger value of the pieces beside it."""
+    """Return for each node the larger value of the pieces on both sides of it."""
     return np.maximum(np.append(pieces, 0.0), np.append(0.0, pieces))
 
 

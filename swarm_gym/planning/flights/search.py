@@ -106,7 +106,7 @@ class FlightSearch:
         return min((least_climb(self._scenario, route) for route in self._refused), default=math.inf)
 
     def _keep_ways(self, env: SwarmEnv) -> None:
-        """Keep the flights over a coarse graph, beside which the members of a swarm begin."""
+        """Keep the flights over a coarse graph, around which the members of a swarm begin."""
         problem = env.simulation.problems[0]
         assert isinstance(problem, TerrainProblem)
         assert problem.ways is not None

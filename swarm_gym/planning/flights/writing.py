@@ -40,7 +40,7 @@ def as_csv(flight: Flight) -> str:
 def as_geojson(flight: Flight) -> str:
     """Return a feature with a line string, whose positions have heights above sea level.
 
-    Coordinates are longitude and latitude where the map has a place on the earth, else those of the map.
+    Coordinates are longitude and latitude where the map has a place on the earth, else map coordinates.
     """
     places = flight.path if flight.in_degrees is None else flight.in_degrees
     facts = {

@@ -1,6 +1,6 @@
 """Instances of the BBOB functions: the optimum, its value, rotations and peaks, from three numbers.
 
-Symbols are those of N. Hansen, S. Finck, R. Ros, A. Auger, "Real-parameter black-box optimization
+Symbols are as in N. Hansen, S. Finck, R. Ros, A. Auger, "Real-parameter black-box optimization
 benchmarking 2009: noiseless functions definitions", INRIA RR-6829, 2009. How instances are seeded is not in
 there; it follows the programs of the authors, so that an instance is the same as in their suite `bbob`.
 """

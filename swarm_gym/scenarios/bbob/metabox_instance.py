@@ -9,8 +9,8 @@ MetaBox draws f_opt only where its data set is biased. So biased functions have 
 than those that are not, from function 2 on.
 
 The generator is NumPy's `RandomState`, whose numbers never change. Its normal numbers contain a logarithm of
-the C library, which depends on the processor; here they contain that of `compiler.elementary`. So optima and
-least values equal MetaBox's bit for bit, and entries of rotations differ by less than 1e-14.
+the C library, which depends on the processor; here they contain the logarithm of `compiler.elementary`. So
+optima and least values equal MetaBox's bit for bit, and entries of rotations differ by less than 1e-14.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Random numbers of the BBOB instances, which fix optima, rotations and peaks once and for all.
 
 The definitions of the functions (INRIA RR-6829, see `instance`) say what is drawn, and the programs of their
-authors say how. The generator is that of S. K. Park, K. W. Miller, "Random number generators: good ones are
+authors say how. The generator comes from S. K. Park, K. W. Miller, "Random number generators: good ones are
 hard to find", Communications of the ACM 31, 1988. A table of 32 entries shuffles its output, after C. Bays,
 S. D. Durham, "Improving a poor random number generator", ACM Transactions on Mathematical Software 2, 1976.
 Results refer to the numbers, so they must never change.

@@ -44,8 +44,8 @@ BBOB = Suite("BBOB", "bbob", range(2, 101), range(1, 1001))
 class BbobScenario(FunctionScenario):
     """The task to find the minimum of a BBOB function, from which its least value f_opt is subtracted.
 
-    So the least value is 0, as that of every test function, and what is found is the precision that BBOB
-    reports. The domain is [-5, 5] in every component; the minimum lies inside it, that of the linear slope
+    So the least value is 0, as for every test function, and what is found is the precision that BBOB
+    reports. The domain is [-5, 5] in every component; the minimum lies inside it, but for the linear slope
     (f5) in a corner.
 
     Attributes:
@@ -83,7 +83,7 @@ class BbobScenario(FunctionScenario):
 
     @property
     def form(self) -> int:
-        """Number of the formula by which problems compute the values: that of the function."""
+        """Number of the formula by which problems compute the values: the number of the function."""
         return self.number
 
     @cached_property

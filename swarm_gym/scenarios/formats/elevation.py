@@ -42,7 +42,7 @@ class Elevation(NamedTuple):
         return x, y, x + dx * (columns - 1), y + dy * (rows - 1)
 
     def at(self, points: Floats) -> Floats:
-        """Return heights (n,) at coordinates (n, 2), bilinear; NaN off the map or beside gaps."""
+        """Return heights (n,) at coordinates (n, 2), bilinear; NaN off the map or next to gaps."""
         place = (points - np.array(self.origin)) / np.array(self.spacing)
         rows, columns = self.heights.shape
         last = np.array([columns - 1.0, rows - 1.0])

@@ -1,8 +1,8 @@
 """ESRI ASCII grids: a head with the place of the cells, then heights row by row from north to south.
 
 Source: "Esri ASCII raster format" in the documentation of ArcGIS. Heights are at the centres of cells. The
-file `.prj` beside it names the coordinate reference system. Without one, coordinates are degrees if they can
-be, and a cell is smaller than `FINEST_METRES`.
+file `.prj` of the same name has the coordinate reference system. Without one, coordinates are degrees if they
+can be, and a cell is smaller than `FINEST_METRES`.
 """
 
 import re
@@ -140,7 +140,7 @@ def _odd_word(body: bytes) -> str:
 
 
 def _system(path: Path) -> str | None:
-    """Return the text of the file `.prj` beside a grid; None without one."""
+    """Return the text of the file `.prj` next to a grid; None without one."""
     beside = path.with_suffix(".prj")
     try:
         with open_file(beside) as file:

@@ -56,7 +56,7 @@ class Projection:
 
 @dataclass(frozen=True)
 class PlaneSystem:
-    """A coordinate reference system in metres, such as UTM, whose coordinates are those of the map.
+    """A coordinate reference system in metres, such as UTM, in which the map has its coordinates.
 
     Attributes:
         system: text that pyproj reads.
@@ -156,7 +156,7 @@ def require_coordinates(name: object) -> None:
 def named_by(where: str, reference: object) -> str | None:
     """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
 
-    Its form is that of the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.
+    Its form follows the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.
 
     Raises:
         ScenarioError: if the member is malformed.

@@ -3,9 +3,9 @@
 Source: N. R. Sturtevant, "Benchmarks for grid-based pathfinding", IEEE Transactions on Computational
 Intelligence and AI in Games 4(2):144-148, 2012, doi 10.1109/TCIAIG.2012.2197681.
 
-Map coordinates are those of the benchmark: cells have side 1 and their centres at integers, x grows to the
+Map coordinates are as in the benchmark: cells have side 1 and their centres at integers, x grows to the
 right from 0, and y grows downwards from 0. Swamp counts as free and water as blocked. On maps with swamp or
-water, the lengths in the problem files may therefore not be those of the shortest paths.
+water, the lengths in the problem files may therefore differ from the shortest paths'.
 """
 
 import itertools

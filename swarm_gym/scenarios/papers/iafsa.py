@@ -1,4 +1,4 @@
-"""Routes like those of the IAFSA paper, for robots with a radius: scenarios `routes:<map>-<from>-<to>`.
+"""Routes like the ones of the IAFSA paper, for robots with a radius: scenarios `routes:<map>-<from>-<to>`.
 
 Source: Y. Zhang, G. Guan, X. Pu, "The robot path planning based on improved artificial fish swarm algorithm",
 Mathematical Problems in Engineering, 2016, tables 4 and 5. In the paper a robot drives between points A to E

@@ -1,6 +1,6 @@
 """Pickled arrays, dictionaries, lists and numbers, read without running code of the file.
 
-A pickle can name any function and have it called. Here six names have a meaning, each that of code below;
+A pickle can name any function and have it called. Here six names have a meaning, each defined by code below;
 every other name is refused before anything is imported. NumPy restores nothing itself, since crafted states
 of arrays and types can break its memory. Shapes, types of numbers and bytes are taken from the file, and
 checked.
@@ -50,7 +50,7 @@ class _Unpickler(pickle._Unpickler):
         """Return what a name of the file stands for here.
 
         Raises:
-            pickle.UnpicklingError: for every name but those of NumPy's arrays and numbers.
+            pickle.UnpicklingError: for every name except NumPy's arrays and numbers.
         """
         known = _KNOWN.get((module.replace("numpy._core", "numpy.core"), name))
         if known is None:

@@ -63,7 +63,7 @@ class Survey:
         return None if self.system is None else self.system.to_degrees(points)
 
     def file_ground(self, points: Floats) -> Floats:
-        """Return the heights of the file, (n,), at points (n, 2); those of the task without a file."""
+        """Return the heights of the file, (n,), at points (n, 2); without a file, the heights of the task."""
         if self.elevation is None:
             return self.scenario.ground(points)
         degrees = self.elevation.kind == GEOGRAPHIC and self.system is not None
@@ -90,14 +90,14 @@ def survey(
         path: file of the elevation model.
         start: x, y or longitude, latitude, and height above ground.
         goal: x, y or longitude, latitude, and height above ground.
-        name: name of the task; by default that of the file.
+        name: name of the task; by default the name of the file.
         threats: GeoJSON file with threats, in the same coordinates as start and goal; None for none.
         altitude: least and greatest height above ground.
         largest_turn: largest turn at a waypoint, in degrees.
         largest_climb: largest angle of climb or descent, in degrees.
         drone_size: distance from a threat that counts as contact.
         danger_distance: width of the zone around threats that is better avoided.
-        coordinates: kind of the coordinates of start, goal and threats; None takes that of the file.
+        coordinates: kind of the coordinates of start, goal and threats; None takes the kind of the file.
 
     Raises:
         ScenarioError: for files that are missing or malformed, cells without data, or ends that cannot be.
@@ -208,7 +208,7 @@ def _ground(
 
 
 def _as_posts(elevation: Elevation) -> Elevation | None:
-    """Return the elevation model if its posts are those of a task: in metres, evenly spaced both ways."""
+    """Return the elevation model if its posts suit a task: in metres, evenly spaced both ways."""
     dx, dy = elevation.spacing
     return elevation if elevation.kind == PLANE and abs(dx - dy) <= 1e-9 * dx else None
 

@@ -1,7 +1,7 @@
 """One update of a policy by PPO's clipped objective, on tensors of any device.
 
 Source: J. Schulman et al., "Proximal policy optimization algorithms", arXiv 1707.06347 (2017). The order of
-operations is that of PPO in stable-baselines3, whose policy it updates: advantages are normalised in each
+operations is as in PPO of stable-baselines3, whose policy it updates: advantages are normalised in each
 minibatch, and an update stops before the minibatch whose divergence exceeds the bound.
 """
 
@@ -39,7 +39,7 @@ class Steps(NamedTuple):
 def update(policy: ActorCriticPolicy, steps: Steps, options: GroupedOptions) -> dict[str, float]:
     """Pass over the steps `epochs` times, or until the policy has moved too far, and change the policy.
 
-    Minibatches are drawn by torch's generator of the device. The step size is that of the policy's optimizer.
+    Minibatches are drawn by torch's generator of the device. The policy's optimizer has the step size.
 
     Args:
         policy: policy on the device of the steps.

@@ -1,6 +1,6 @@
 """Proximal policy optimization whose rollouts, advantages and updates stay on one device.
 
-Policies, initial weights and the meaning of options are those of `PPOLearner`. The differences: a rollout
+Policies, initial weights and the meaning of options are as in `PPOLearner`. The differences: a rollout
 always is one new episode of all swarms, which begins after the update before it; and torch draws minibatches.
 """
 

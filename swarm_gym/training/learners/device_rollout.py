@@ -29,7 +29,7 @@ class Rollout(NamedTuple):
         values: (T, B) values of the critic; None without one.
         rewards: (T, B) rewards, float32; 0 where an episode has ended early.
         returns: (B,) sums of the rewards of whole episodes, common iterations included, float64.
-        num_steps: environment steps that were computed, those of common iterations once for a group.
+        num_steps: environment steps that were computed; common iterations count once for a group.
     """
 
     observations: torch.Tensor

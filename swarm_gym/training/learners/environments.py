@@ -1,4 +1,4 @@
-"""Environments of a training: the swarms of the policy, and those of the reference of a paired reward."""
+"""Environments of a training: the swarms of the policy, and of the reference of a paired reward."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ def make_swarms(
 ) -> tuple[VectorEnv, Base | None]:
     """Return the vector environment of a configuration, and the base that the policy corrects, if any.
 
-    With a base, the columns of observations are those of the base and then those of the policy. A base that
+    With a base, observations have the columns of the base and then the columns of the policy. A base that
     states the source of its first population begins the episodes of the policy, too.
 
     Raises:
@@ -84,9 +84,9 @@ def make_base(config: TrainConfig) -> Controller | None:
 
 
 def first_population(config: TrainConfig, base: Controller | None) -> tuple[int, Source | None]:
-    """Return PS(0) and the source of the first population: those of a base that states its source.
+    """Return PS(0) and the source of the first population, from a base that states its source.
 
-    Otherwise, PS(0) is an option of the run, and the source, None, is that of the environment.
+    Otherwise, PS(0) is an option of the run, and the source, None, is left to the environment.
     """
     if base is None or base.first_source is None:
         return config.initial_population_size, None
@@ -112,7 +112,7 @@ def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
 
 
 def reference_controller(config: TrainConfig) -> tuple[Controller, EnvOptions]:
-    """Return the reference controller, and the options of its environments beside the controller's own.
+    """Return the reference controller, and the options of its environments besides the controller's own.
 
     The reference has neither a price nor the policy's budget, so that it does not depend on these.
 

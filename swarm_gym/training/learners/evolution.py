@@ -94,7 +94,7 @@ class EvolutionLearner(Learner):
         return weights
 
     def state(self) -> dict[str, object]:
-        """Return the numbers of the strategy, with those of its random generator."""
+        """Return the numbers of the strategy and of its random generator."""
         arrays = strategy_state(self._strategy)
         # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
         tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
@@ -145,7 +145,7 @@ class EvolutionLearner(Learner):
             place += out
 
     def _first_weights(self, generator: np.random.Generator) -> Floats:
-        """Draw the weights of hidden layers; those of the last layer are zero."""
+        """Draw the weights of hidden layers; the last layer has zeros."""
         parts = []
         for number, (into, out) in enumerate(self._shapes):
             scale = 0.0 if number == len(self._shapes) - 1 else 1.0 / np.sqrt(into)

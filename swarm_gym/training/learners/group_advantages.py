@@ -18,7 +18,7 @@ class GroupBuffer(RolloutBuffer):
     """A rollout buffer of whole episodes in groups.
 
     Args:
-        buffer_size: number of steps; this and the following ones are those of the library's buffer.
+        buffer_size: number of steps; the library's buffer has this and the following arguments.
         observation_space: space of observations.
         action_space: space of actions.
         device: device of the tensors of minibatches.
@@ -77,7 +77,7 @@ def advantages_and_returns(
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """Return advantages beyond the mean of their group, and returns, of whole episodes on any device.
 
-    The definitions are those of `GroupBuffer`. Sums over a group may round differently, since torch adds in
+    `GroupBuffer` has the definitions. Sums over a group may round differently, since torch adds in
     another order than NumPy.
 
     Args:

@@ -16,9 +16,9 @@ class Learner(ABC):
         features: names of the policy's observation features.
         num_decisions: number of decisions in an action.
         network: kind of the actor, a name in `swarm_gym.controllers.learned.networks.NETWORKS`.
-        after_rollout: function that `learn` calls where the chunk can be stopped: `state` is then that of the
-            middle of the chunk, and `learn` goes on from it after `load`. Learners whose chunks cannot be
-            stopped never call it.
+        after_rollout: function that `learn` calls where the chunk can be stopped: `state` is then the state
+            in the middle of the chunk, and `learn` goes on from it after `load`. Learners whose chunks cannot
+            be stopped never call it.
     """
 
     config: TrainConfig

@@ -59,5 +59,5 @@ def go_on(model: BaseAlgorithm, state: Mapping[str, object], seed: int) -> None:
 
 
 def _plain(numbers: Mapping[str, Any]) -> dict[str, float]:
-    """Return numbers by name without those of NumPy, which a checkpoint does not hold."""
+    """Return numbers by name without NumPy's types, which a checkpoint does not hold."""
     return {name: value if isinstance(value, int) else float(value) for name, value in numbers.items()}

@@ -26,6 +26,34 @@ def test_every_relative_link_leads_to_a_file(document):
     assert missing == []
 
 
+def anchors_of(text):
+    """Return the anchors of the headings of a page, as GitHub and the site make them."""
+    headings = re.findall(
+        r"^#+ (.+)$", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), re.M
+    )
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@looped("document", DOCUMENTS)
+def test_every_anchor_of_a_link_is_a_heading_of_its_page(document):
+    text = (ROOT / document).read_text(encoding="utf-8")
+    missing = []
+    for target, anchor in re.findall(r"\]\(([^)#\s:]*)#([^)\s]+)\)", text):
+        page = (ROOT / document).parent / target if target else ROOT / document
+        if (
+            page.suffix == ".md"
+            and page.is_file()
+            and anchor not in anchors_of(page.read_text(encoding="utf-8"))
+        ):
+            missing.append(f"{target}#{anchor}")
+    assert missing == []
+
+
+def test_anchors_are_made_of_headings_outside_of_code():
+    text = "# A *b*, `c_d`\n```\n# no heading\n```\n## Control of λ: x\n"
+    assert anchors_of(text) == {"a-b-c_d", "control-of-λ-x"}
+
+
 @looped("document", DOCUMENTS)
 def test_every_column_of_a_table_has_a_head(document):
     """Screen readers say the head of a column before each of its cells."""
@@ -64,7 +92,8 @@ def test_the_cluster_is_described_as_ray_wants_it():
 
 
 def test_readings_name_files_that_exist():
-    named = set(re.findall(r"`([\w/]+\.py)`", (ROOT / "docs/readings.md").read_text(encoding="utf-8")))
+    text = "\n".join(path.read_text(encoding="utf-8") for path in ROOT.glob("docs/readings*.md"))
+    named = set(re.findall(r"`([\w/]+\.py)`", text))
     packages = ("swarm_gym", "agents", "experiments")
     files = [path.as_posix() for package in packages for path in (ROOT / package).rglob("*.py")]
     assert named

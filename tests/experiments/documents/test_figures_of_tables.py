@@ -8,20 +8,28 @@ import pytest
 
 pytest.importorskip("tyro", reason="needs the extra `study`")
 
+from experiments.documents.interval_figure import draw_intervals
 from experiments.documents.marked_blocks import content_of
+from experiments.documents.study_documents import draw_control, draw_gaps, draw_objectives, draw_sizes
 from experiments.planners.figure import draw_planners
 from experiments.plots.style import render, settings
 from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
+# Figures by name: the function that draws it, the page of its table, the block, and the file.
 FIGURES = {
-    "planners": (draw_planners, "planners", "planners/planners.svg"),
-    "strong-optimizers": (
+    "planners": (draw_planners, "planners", "planners", "planners/planners.svg"),
+    "cases": (
         draw_cases_at_budgets,
+        "strong-optimizers-tables",
         "cases-at-budgets",
         "strong-optimizers/cases-at-budgets.svg",
     ),
+    "gaps": (draw_gaps, "strong-optimizers-tables", "in-short", "strong-optimizers/gaps.svg"),
+    "sizes": (draw_sizes, "bbob-tables", "bbob-groups", "bbob/sizes.svg"),
+    "objectives": (draw_objectives, "learners-tables", "reached-200000", "learners/objectives.svg"),
+    "control": (draw_control, "terrain", "control-over-terrain", "terrain/control.svg"),
 }
 
 
@@ -52,18 +60,18 @@ def same(one, other):
     return labels(one) == labels(other) and np.allclose(ends(one), ends(other), atol=4.0)
 
 
-@pytest.mark.parametrize("page", FIGURES)
-def test_a_shipped_figure_is_that_of_the_table(page):
-    draw, block, file = FIGURES[page]
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_shipped_figure_is_drawn_from_the_table(name):
+    draw, page, block, file = FIGURES[name]
     found = drawn(draw, printed(page, block))
     assert len(labels(found)) > 5
     assert len(ends(found)) > 5
     assert same(found, (ROOT / "docs/results" / file).read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("page", FIGURES)
-def test_other_numbers_are_another_figure(page):
-    draw, block, file = FIGURES[page]
+@pytest.mark.parametrize("name", FIGURES)
+def test_other_numbers_are_another_figure(name):
+    draw, page, block, file = FIGURES[name]
     table = printed(page, block)
     first, second, *others = table.rows
     exchanged = [first[:1] + second[1:], second[:1] + first[1:], *others]
@@ -80,3 +88,11 @@ def test_tables_that_cannot_be_drawn_are_refused():
     bare = [(row[0], *("3 %" for _ in row[1:])) for row in table.rows]
     with pytest.raises(ValueError, match="cell '3 %': expected a share with its interval"):
         draw_cases_at_budgets(Table("t", "", table.columns, bare))
+
+
+def test_intervals_of_a_table_without_the_column_or_an_interval_are_refused():
+    table = printed("bbob-tables", "bbob-groups")
+    with pytest.raises(ValueError, match="'bbob-groups' lacks the columns nothing"):
+        draw_intervals(table, ("optimizer", "size"), {"nothing": ""}, "axis")
+    with pytest.raises(ValueError, match="cell '20 members': expected a value with its interval"):
+        draw_intervals(table, ("optimizer",), {"size": ""}, "axis")

@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[3]
 PAGES = {
     "README.md": ("docs/study-tables.md", "docs/strong-optimizers.md"),
     "docs/results.md": (),
+    "docs/results-runs.md": (),
     "docs/study.md": ("docs/study-tables.md",),
     "docs/newcomers.md": ("docs/newcomers-tables.md",),
     "docs/dynamic.md": ("docs/dynamic-tables.md",),
@@ -23,10 +24,10 @@ PAGES = {
     "docs/scores.md": ("docs/scores-tables.md",),
     "docs/terrain.md": ("docs/terrain-tables.md",),
     "docs/terrain-scenarios.md": (),
-    "docs/bbob.md": (),
+    "docs/bbob.md": ("docs/bbob-tables.md",),
     "docs/known-optimum.md": ("docs/known-optimum-tables.md",),
     "docs/learners.md": ("docs/learners-tables.md",),
-    "docs/strong-optimizers.md": (),
+    "docs/strong-optimizers.md": ("docs/strong-optimizers-tables.md",),
 }
 # Numbers that are no results: seeds, steps of trainings and tunings, values of options; two that were
 # measured on training seeds while a recipe was chosen; and the largest difference to a published cost.

@@ -19,8 +19,15 @@ ROOT = Path(__file__).parents[3]
 LADDER_BLOCK = "<!-- ladder -->\n<!-- /ladder -->\n"
 SPEED_BLOCK = "<!-- speed -->\n<!-- /speed -->\n"
 TEXT = f"{LADDER_BLOCK}above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow {SPEED_BLOCK}"
-BLOCKS = ("headline", *GROUPS, *OF_PEERS)
-PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
+# The pages on speed, and their blocks.
+PERFORMANCE = {
+    page: "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in names)
+    for page, names in {
+        "performance": ("headline", *(name for name in GROUPS if name != "moves")),
+        "performance-moves": ("moves",),
+        "performance-libraries": OF_PEERS,
+    }.items()
+}
 
 
 def test_a_block_is_replaced_and_the_rest_left_alone():
@@ -64,7 +71,8 @@ def documents(tmp_path, monkeypatch, benchmark):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copytree(benchmark, tmp_path / "results/benchmark")
     (tmp_path / "README.md").write_text(TEXT)
-    (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
+    for page, text in PERFORMANCE.items():
+        (tmp_path / f"docs/{page}.md").write_text(text)
     for name in ("README.md", "a.svg", "a.png"):
         (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
     rows = [
@@ -79,7 +87,7 @@ def documents(tmp_path, monkeypatch, benchmark):
     return tmp_path
 
 
-def test_publishing_copies_the_page_and_fills_both_documents(documents):
+def test_publishing_copies_the_page_and_fills_all_documents(documents):
     publish("results", documents / "results")
     readme = (documents / "README.md").read_text()
     assert "| SPSFA-TIP | SPSFA-TIP: seeds | SPSFA-TIP: objective |" in readme
@@ -96,9 +104,14 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     ]
     performance = (documents / "docs/performance.md").read_text()
     assert "| single environment, 30 members | 1.5 | 1 to 2 |" in performance
-    assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
-    assert performance.count("| elite-genetic: A, cost in NumPy / swarm_gym | 1.5 |") == 2
-    assert performance.count("| case1: A, cost in NumPy / swarm_gym | 2.5 |") == 2
+    moves, libraries = (
+        (documents / f"docs/performance-{page}.md").read_text() for page in ("moves", "libraries")
+    )
+    assert "| case1: move with evaluation | 1.5 | 1 to 2 |" in moves
+    for text in (performance, libraries):
+        assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in text
+        assert text.count("| elite-genetic: A, cost in NumPy / swarm_gym | 1.5 |") == 1
+        assert text.count("| case1: A, cost in NumPy / swarm_gym | 2.5 |") == 1
     published = {p.name for p in (documents / "docs/results").iterdir()}
     assert published == {"README.md", "a.svg", "growth.svg"}
 
@@ -118,7 +131,8 @@ def test_nothing_is_written_where_something_is_missing(documents, missing):
     with pytest.raises((OSError, ValueError), match=r"headline|claims|README|benchmark|peers|budgets"):
         publish("results", documents / "results")
     assert (documents / "README.md").read_text() == TEXT
-    assert (documents / "docs/performance.md").read_text() == PERFORMANCE
+    for page, text in PERFORMANCE.items():
+        assert (documents / f"docs/{page}.md").read_text() == text
     assert not (documents / "docs/results").exists()
 
 

@@ -1,16 +1,18 @@
 """Pages of studies are short, and what they say first is in the tables of their appendices."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
-from experiments.catalogue import DOCUMENTS, SUITES
+from experiments.catalogue import SUITES
 from experiments.documents.marked_blocks import block_names
+from experiments.publish import DOCUMENTS
 from experiments.studies.dynamic import findings as dynamic
 from experiments.studies.learned import findings as learned
 from experiments.studies.newcomers import findings as newcomers
-from experiments.tables.block_contents import Finding, findings
+from experiments.tables.block_contents import Finding, findings, shortened
 from experiments.tables.document import ResultsFolder
 from experiments.tables.reshape import pick
 from experiments.tables.table import Table
@@ -44,7 +46,24 @@ SOURCES = {
         )
     },
     "optimizers": {name: name for name in ("optimizers/gains", "optimizers-cells/gains")},
+    "bbob": {"bbob-groups": "bbob-groups"},
+    "learners": {"reached-200000": "reached-200000"},
+    "known-optimum": {"one-parameter": "one-parameter"},
+    "strong-optimizers": {
+        "strong-optimizers/in-short": "in-short",
+        "strong/cases-at-budgets/cases-at-budgets": "cases-at-budgets",
+    },
+    "terrain": {"terrain/all/metabox-in-short": "all-rows-over-terrain"},
 }  # fmt: skip
+# Blocks of a page that are made from these rows.
+SHORT = {
+    **dict.fromkeys(PAGES, ("findings", "strongest")),
+    "bbob": ("bbob-groups",),
+    "learners": ("reached-200000",),
+    "known-optimum": ("one-parameter",),
+    "strong-optimizers": ("in-short", "cases-at-budgets"),
+    "terrain": ("test-terrains",),
+}
 CHOSEN = {"study": learned.FINDINGS, "newcomers": newcomers.FINDINGS, "dynamic": dynamic.FINDINGS}
 
 
@@ -90,37 +109,57 @@ def test_a_page_is_short_and_says_its_limits_and_what_others_measured(name):
     assert {"## Limits", "## Related work"} <= set(text.splitlines())
 
 
-def test_pages_on_planning_are_short():
-    pages = [*ROOT.glob("docs/planning*.md"), ROOT / "docs/flights.md", ROOT / "docs/terrain-scenarios.md"]
+# Appendices have whole tables; the page of results grows by what is out of date; the changelog is a list.
+LONG = {"results.md", "changelog.md", "contributing.md"}
+
+
+def test_pages_that_are_no_appendices_are_short():
+    pages = [path for path in ROOT.glob("docs/*.md") if not path.stem.endswith("-tables")]
     lines = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in pages}
-    assert len(lines) >= 7
-    assert {name: number for name, number in lines.items() if number > MOST_LINES} == {}
+    assert len(lines) >= 50
+    assert {name: number for name, number in lines.items() if number > MOST_LINES and name not in LONG} == {}
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_page_has_figures(name):
+    least = 1 if name == "known-optimum" else 2  # its expectations are exact, without intervals to draw
+    assert least <= page(name).count("![") <= 4
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_page_has_figures_and_one_table(name):
+def test_a_page_has_one_table(name):
     text = page(name)
-    assert 2 <= text.count("![") <= 4
     generated = "".join(contents(text).values())
     assert generated.count("\n| --- ") == 1
     assert len(re.findall(r"^\| ", generated, re.MULTILINE)) - 2 <= MOST_ROWS
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", [*PAGES, *OTHERS])
+def test_no_table_of_a_page_has_more_rows_than_a_reader_takes_in(name):
+    tables = re.findall(r"(?:^\|.*\n)+", "\n".join(contents(page(name)).values()), re.MULTILINE)
+    assert tables
+    assert [table.splitlines()[0] for table in tables if table.count("\n") - 2 > MOST_ROWS] == []
+
+
+@pytest.mark.parametrize("name", [name for name in (*PAGES, *OTHERS) if name != "curves"])
 def test_a_page_and_its_appendix_link_each_other(name):
-    assert f"]({name}-tables.md)" in page(name)
-    assert f"]({name}.md)" in page(f"{name}-tables")
+    assert f"]({name}-tables.md" in page(name)
+    assert f"]({name}.md" in page(f"{name}-tables")
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", SOURCES)
 def test_findings_and_table_are_made_from_the_rows_of_the_appendix(name, tmp_path):
     blocks = contents(page(f"{name}-tables"))
     for file, block in SOURCES[name].items():
         path = tmp_path / f"{file}.json"
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(exist_ok=True, parents=True)
         path.write_text(stored(path.stem, blocks[block]).json())
+    for figure in (ROOT / "docs/results" / name).glob("*.svg"):
+        shutil.copy(figure, tmp_path)
     makers, shown = DOCUMENTS[name][0].blocks, contents(page(name))
-    for block in {"findings", "strongest"} & set(makers):
+    chosen = set(SHORT[name]) & set(makers)
+    assert chosen
+    for block in chosen:
         assert makers[block](ResultsFolder(tmp_path)).strip() == shown[block].strip()
 
 
@@ -148,9 +187,9 @@ def test_numbers_of_the_summary_are_in_generated_rows(name):
     assert [number for number in numbers if number not in generated] == []
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", SOURCES)
 def test_page_and_appendix_have_every_block_once(name):
-    for document in [*DOCUMENTS[name], *DOCUMENTS.get(f"{name}-tables", ())]:
+    for document in DOCUMENTS[name]:
         text = (ROOT / document.path).read_text(encoding="utf-8")
         assert sorted(block_names(text)) == sorted(document.blocks)
 
@@ -179,3 +218,15 @@ def test_rows_are_picked_in_the_order_of_their_keys():
     assert pick(table, ("a",), [("z",), ("x",)]).rows == [("z", "3"), ("x", "1")]
     with pytest.raises(ValueError, match="'t' has no rows of u; v"):
         pick(table, ("a",), [("u",), ("x",), ("v",)])
+
+
+def test_a_short_table_keeps_the_order_of_its_table_and_needs_every_row(tmp_path):
+    rows = [("x", "1", "2"), ("y", "3", "4"), ("z", "5", "6")]
+    (tmp_path / "t.json").write_text(Table("t", "Numbers, and the worst", ("a", "b", "c"), rows).json())
+    results = ResultsFolder(tmp_path)
+    short = shortened("t", ("z", "x"), results, ("a", "c"), ", and the worst")
+    assert short.splitlines() == ["**Numbers**", "", "| a | c |", "| --- | --- |", "| x | 2 |", "| z | 6 |"]
+    with pytest.raises(ValueError, match="'t' has no rows of u; v"):
+        shortened("t", ("u", "x", "v"), results)
+    with pytest.raises(ValueError, match="'t': expected a caption that ends in ', and the best'"):
+        shortened("t", ("x",), results, left_out=", and the best")

@@ -199,6 +199,6 @@ def imports(document):
 
 def test_documents_outside_of_docs_have_pages_with_links_that_work_there(pages):
     assert "](architecture.md#words)" in pages["contributing.md"]
-    assert "](scenarios.md#grid-maps)" in pages["contributing.md"]
+    assert "](scenarios-grids.md#cells-files-and-paths)" in pages["contributing.md"]
     assert "](newcomers.md)" in pages["changelog.md"]
     assert "](docs/" not in pages["contributing.md"] + pages["changelog.md"]

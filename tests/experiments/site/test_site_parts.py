@@ -52,7 +52,7 @@ def test_an_example_becomes_a_code_block_but_sections_and_lists_stay():
 
 def test_parts_of_docstrings_are_found():
     assert first_sentence(reward.final).startswith("Return log(initial gap / final gap) at the end")
-    assert prose(SwarmEnv).endswith("See docs/scenarios.md.")
+    assert prose(SwarmEnv).endswith("See docs/scenarios-functions.md.")
     assert (
         entries(Settings, "Attributes")["iterations"] == "g_max, number of steps of an episode, at least 1."
     )

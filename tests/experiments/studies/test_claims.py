@@ -191,8 +191,9 @@ def test_claims_are_about_controllers_that_their_suites_run():
 PAGES = (
     "README.md", "docs/newcomers.md", "docs/newcomers-tables.md", "docs/dynamic.md", "docs/dynamic-tables.md",
     "docs/study.md", "docs/study-tables.md", "docs/moa-paper.md", "docs/iafsa-paper.md",
+    "docs/iafsa-claims.md", "docs/iafsa-routes.md",
     "docs/brand-yu-paper.md", "docs/optimizers.md", "docs/optimizers-tables.md", "docs/scores.md",
-    "docs/scores-tables.md", "docs/bbob.md",
+    "docs/scores-tables.md", "docs/bbob.md", "docs/bbob-tables.md",
 )  # fmt: skip
 COMPARING = re.compile(
     r"\b(better|worse|beats?|beaten|fewer|wins?|won|as good|no controller|closer|ahead|outperform\w*)\b",

@@ -288,8 +288,9 @@ def test_figures_of_routes_are_small(database, routes, tmp_path):
     assert max(sizes.values()) < 200_000
 
 
-def test_the_document_shows_all_tables_and_small_figures():
-    text = (DOCS / "iafsa-paper.md").read_text(encoding="utf-8")
+def test_the_documents_show_all_tables_and_small_figures():
+    pages = ("iafsa-paper", "iafsa-claims", "iafsa-routes")
+    text = "\n".join((DOCS / f"{page}.md").read_text(encoding="utf-8") for page in pages)
     for name in block_names(text):
         assert replace_block(text, name, "") != text, f"{name} is empty"
     tables = ("functions", "dimensions", "convergence", "shifted", "routes", "routes-claims")

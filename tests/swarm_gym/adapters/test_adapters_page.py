@@ -1,4 +1,4 @@
-"""The examples of docs/adapters.md run as they stand there."""
+"""The examples of docs/adapters.md and docs/adapters-problems.md run as they stand there."""
 
 import re
 import sys
@@ -12,7 +12,8 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.testing import check_optimizer
 
-PAGE = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text()
+DOCS = Path(__file__).parents[3] / "docs"
+PAGE = "\n".join((DOCS / f"{name}.md").read_text() for name in ("adapters", "adapters-problems"))
 FILES = dict(re.findall(r"`(my_swarms/\w+\.py)`:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 

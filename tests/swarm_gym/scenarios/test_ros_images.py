@@ -51,7 +51,7 @@ def message_of(call):
 
 
 def is_free(pixel, negate, free, mode):
-    """Return whether a pixel is free: the rule in docs/scenarios.md, in exact arithmetic."""
+    """Return whether a pixel is free: the rule in docs/scenarios-grids.md, in exact arithmetic."""
     *colours, opacity = (Fraction(value) for value in pixel)
     grey = sum(colours) / 3
     if opacity < 255:

@@ -1,0 +1,182 @@
+"""Documents of studies that show short tables and figures of them, with whole tables in appendices.
+
+A page shows at most ten rows of a table, which are chosen here by their names. Its appendix shows all rows.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from experiments.documents.interval_figure import draw_intervals
+from experiments.plots.style import render, settings
+from experiments.studies.bbob.suites import BASELINE, OPTIMIZERS
+from experiments.studies.strong.figure import draw_cases_at_budgets
+from experiments.studies.strong.suites import LADDER
+from experiments.studies.terrain.tables_of_costs import BESIDE_CONTROL, IN_SHORT
+from experiments.tables.block_contents import shortened, texts
+from experiments.tables.document import Block, Document, ResultsFolder
+from experiments.tables.reshape import pick
+from experiments.tables.table import Table
+
+# Sizes of particle swarms that the findings on BBOB are about, with the swarms of all libraries.
+SIZES = ("20 members", BASELINE, "falling from 100 to 10")
+# What plain learners reach: those from scratch, one that decides sources, and rivals.
+LEARNERS = (
+    "open loop three-cases-sourced", "PPO (`ppo-sourced`)", "open loop three-cases", "SAC (`sac`)",
+    "TQC (`tqc`)", "PPO (`ppo`)", "TD3 (`td3`)", "DQN (`dqn`)", "PPO (`ppo-defaults`)", "SPSFA-TIP",
+)  # fmt: skip
+LEARNERS_COLUMNS = (
+    "learner or controller", "learns", "objective", "case1", "case2", "case3", "minus SPSFA-TIP",
+    "minus open loop three-cases",
+)  # fmt: skip
+# Controllers of lambda on OneMax, without the worst of the training seeds.
+ONE_MAX = (
+    "optimum, any lambda up to 64", "optimum, lambda in 1, 2, 4, ..., 64", "PPO, 10 seeds",
+    "PPO with normal noise, from scratch, 5 seeds", "CMA-ES over the share of zeros", "DDQN, published",
+    "theory", "one-fifth rule", "best schedule over iterations, simulated", "best constant lambda",
+)  # fmt: skip
+# Constants of CMA-ES around the best one, restarts, policies, and two rules of L-SHADE.
+STRONG = (
+    "CMA-ES, lambda 10", "CMA-ES, lambda 20", "CMA-ES, lambda 40", "CMA-ES, lambda 80", "CMA-ES, IPOP",
+    "CMA-ES, BIPOP", "CMA-ES, learned, evolution", "CMA-ES, learned, PPO", "L-SHADE, linear",
+    "L-SHADE, nlpsr",
+)  # fmt: skip
+# The rows of README.md, and for each kind of optimizer others with other first members or sizes.
+CASES = (
+    *LADDER, "L-SHADE, 120 members, uniform first members", "CMA-ES, lambda 80, smooth first members",
+    "L-SHADE, from 120 to 4", "fireflies, 60 members, smooth first members", "fireflies, 30 members",
+)  # fmt: skip
+AT_BUDGETS = "strong/cases-at-budgets"  # folder of the paper's cases at equal evaluations
+CASES_TABLE = f"{AT_BUDGETS}/cases-at-budgets"
+TERRAINS, CONTROLLED = "terrain/all/metabox-in-short", "terrain/control/metabox-in-short"
+
+
+def _show(results: ResultsFolder, name: str, draw: Callable[[Table], Figure], table: Table) -> None:
+    """Show a figure of a table, under a name."""
+    with settings():
+        results.shown[f"{name}.svg"] = render(draw(table), "svg")
+
+
+def draw_sizes(table: Table) -> Figure:
+    """Draw what all sizes and rules reach, on all functions of BBOB and on some of them."""
+    columns = {"all": "all functions", "weak structure": "weak structure"}
+    return draw_intervals(table, ("optimizer", "size"), columns, "mean decimal logarithm of the precision")
+
+
+def draw_objectives(table: Table) -> Figure:
+    """Draw the objectives of all learners and controllers."""
+    axis = "objective: mean gap in % plus evaluations / 100,000"
+    return draw_intervals(table, table.columns[:1], {"objective": "objective"}, axis, "log")
+
+
+def draw_gaps(table: Table) -> Figure:
+    """Draw the mean gaps of all rows on the functions of MetaBox."""
+    columns = {"log10 gap at the end": "at the end", "log10 gap, anytime": "over all evaluations"}
+    return draw_intervals(table, table.columns[:1], columns, "mean log10 of the gap")
+
+
+def draw_control(table: Table) -> Figure:
+    """Draw the objectives of controllers over terrain, minus the objective of the rival."""
+    columns = {"objective minus that of the rival": "objective"}
+    return draw_intervals(table, table.columns[:1], columns, "objective minus the rival's", "linear", 0.0)
+
+
+def _sizes(results: ResultsFolder) -> str:
+    """Return the means by group of functions, of some sizes, and show the figure of all sizes."""
+    table = results.table("bbob-groups")
+    _show(results, "sizes", draw_sizes, table)
+    keys = [(optimizer, size) for optimizer in OPTIMIZERS for size in SIZES]
+    return pick(table, ("optimizer", "size"), keys).markdown()
+
+
+def _learners(results: ResultsFolder) -> str:
+    """Return the table of what learners reach, and show all figures of the page and of its appendix."""
+    for steps in ("200000", "1000000"):
+        results.show(f"curves-{steps}.svg")
+    _show(results, "objectives", draw_objectives, results.table("reached-200000"))
+    left_out = ", and to the controller that a residual policy corrects"
+    return shortened("reached-200000", LEARNERS, results, LEARNERS_COLUMNS, left_out)
+
+
+def _one_parameter(results: ResultsFolder) -> str:
+    """Return the table of the control of lambda, and show the figure of decisions."""
+    results.show("decisions.svg")
+    return shortened("one-parameter", ONE_MAX, results, left_out=", and the worst of them")
+
+
+def _strong(results: ResultsFolder) -> str:
+    """Return the table of the functions of MetaBox, and show the figure of all rows."""
+    name = "strong-optimizers/in-short"
+    _show(results, "gaps", draw_gaps, results.table(name))
+    return shortened(name, STRONG, results)
+
+
+def _control(results: ResultsFolder) -> str:
+    """Return the table of control over terrain, and show its figure."""
+    table = results.table("terrain/control/metabox-control")
+    _show(results, "control", draw_control, table)
+    return table.markdown()
+
+
+def _cases_at_budgets(results: ResultsFolder) -> str:
+    """Return the table of the cases at equal evaluations, and show its figure."""
+    _show(results, "cases-at-budgets", draw_cases_at_budgets, results.table(CASES_TABLE))
+    return shortened(CASES_TABLE, CASES, results)
+
+
+BBOB_BLOCKS: Mapping[str, Block] = {"bbob-groups": _sizes, **texts(("made-with",))}
+BBOB_TABLES: Mapping[str, Block] = texts(("bbob-groups", "bbob-rules", "claims"))
+LEARNERS_BLOCKS: Mapping[str, Block] = {"reached-200000": _learners}
+LEARNERS_TABLES: Mapping[str, Block] = texts(("reached-200000", "recipes", "reached-1000000"))
+ONE_MAX_BLOCKS: Mapping[str, Block] = {
+    "one-parameter": _one_parameter,
+    **texts(("four-parameters", "generalisation")),
+}
+ONE_MAX_TABLES: Mapping[str, Block] = texts(("one-parameter", "valley", "counting", "simulations", "speed"))
+READINGS_BLOCKS: Mapping[str, Block] = texts(("readings",))  # of the one-fifth rule
+STRONG_BLOCKS: Mapping[str, Block] = {
+    "in-short": _strong,
+    "cases-at-budgets": _cases_at_budgets,
+}
+STRONG_TABLES: Mapping[str, Block] = {
+    **texts(("in-short", "beside-metabox"), "strong-optimizers/"),
+    **texts(("cases-at-budgets",), f"{AT_BUDGETS}/"),
+}
+TERRAIN_BLOCKS: Mapping[str, Block] = {
+    "test-terrains": partial(shortened, TERRAINS, IN_SHORT),
+    "control-over-terrain": _control,
+}
+TERRAIN_TABLES: Mapping[str, Block] = {
+    "all-rows-over-terrain": partial(ResultsFolder.text, name=f"{TERRAINS}.md"),
+    "controlled-swarms": partial(shortened, CONTROLLED, BESIDE_CONTROL),
+    "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
+    **texts(
+        ("documented-in-short", "documented-by-terrain", "metabox-in-short", "metabox-by-terrain"),
+        "terrain/eight/",
+    ),
+}
+STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
+    "bbob": (
+        Document(Path("docs/bbob.md"), "docs/bbob", "bbob", "bbob", BBOB_BLOCKS),
+        Document(Path("docs/bbob-tables.md"), "docs/bbob", "", "bbob", BBOB_TABLES),
+    ),
+    "learners": (
+        Document(Path("docs/learners.md"), "learners", "learners", blocks=LEARNERS_BLOCKS),
+        Document(Path("docs/learners-tables.md"), "learners", "", blocks=LEARNERS_TABLES),
+    ),
+    "known-optimum": (
+        Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum", blocks=ONE_MAX_BLOCKS),
+        Document(Path("docs/known-optimum-tables.md"), "known-optimum", "", blocks=ONE_MAX_TABLES),
+        Document(Path("docs/readings-optimizers.md"), "known-optimum", "", blocks=READINGS_BLOCKS),
+    ),
+    "strong-optimizers": (
+        Document(Path("docs/strong-optimizers.md"), "", "strong-optimizers", blocks=STRONG_BLOCKS),
+        Document(Path("docs/strong-optimizers-tables.md"), "", "", blocks=STRONG_TABLES),
+    ),
+    "terrain": (
+        Document(Path("docs/terrain.md"), "", "terrain", blocks=TERRAIN_BLOCKS),
+        Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
+    ),
+}
