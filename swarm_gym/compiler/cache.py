@@ -75,7 +75,7 @@ def announce_compilation() -> None:
     """Log a warning, once per process, if nothing of these sources is cached and all has to be compiled."""
     if not numba.config.DISABLE_JIT and not any(cache_folder().rglob("*.nbi")):
         logging.getLogger("swarm_gym").warning(
-            "compiling the kernels for these sources, once; this takes about half a minute for each optimizer"
+            "compiling the kernels for these sources, once; this takes about ten seconds for each optimizer"
         )
 
 
