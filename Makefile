@@ -204,7 +204,7 @@ docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on eve
 docs-plans: $(INSTALLED) ## draw the planned paths that the pages on planning show
 	$(BIN)/python -m experiments.plans
 
-docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
+docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-driving, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate
 
 dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and check their metadata

@@ -97,6 +97,7 @@ OTHERS = {
     "[known optimum](known-optimum.md)": ("known-optimum",),
     "[strong optimizers](strong-optimizers.md)": ("strong-optimizers",),
     "[terrain](terrain.md)": ("terrain-all", "terrain-eight", "terrain-control"),
+    "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
     "[other libraries](adapters.md)": ("adapters",),
 }

@@ -23,7 +23,8 @@ TARGETS = (
     "test-newest", "fuzz", "check", "check-workflows", "format", "benchmark", "benchmark-gpu",
     "benchmark-peers", "benchmark-scaling",
     "docs", "paper", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
-    "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling", "docs-scores",
+    "docs-driving", "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling",
+    "docs-scores",
     "docs-bbob", "docs-known-optimum", "docs-strong-optimizers", "docs-terrain", "docs-gallery", "docs-plans",
     "dist", "clean",
 )  # fmt: skip

@@ -16,7 +16,7 @@ from experiments.studies.newcomers.suites import NEVER_USED
 from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
 from helpers.adapted import ADAPTED, missing
-from helpers.shipped import policies_on_maps
+from helpers.shipped import policies_of_wishes, policies_on_maps
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
@@ -132,7 +132,7 @@ def test_policies_that_ship_are_in_a_suite():
     run = {controller for suite in SUITES.values() for controller in suite.controllers}
     run = {str(ControllerName.parse(name).controller) for name in run}  # without the optimizer of an entrant
     learned = {name.partition("@")[0] for name in run if name.startswith("learned:")}
-    assert {f"learned:{name}" for name in policies_on_maps()} == learned
+    assert {f"learned:{name}" for name in (*policies_on_maps(), *policies_of_wishes())} == learned
     # A reacting loop is an open loop that begins again.
     loops = {name.replace("reacting-loop:", "open-loop:") for name in run}
     # Loops over terrain are rows of a study of its own, `experiments.terrain`.

@@ -1,0 +1,1 @@
+"""Control of the sum of length and nearness to obstacles on generated grid maps."""
