@@ -14,7 +14,7 @@ from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Row, Table
 
 CAPTION = (
-    "Sentences that compare, a row for each set of scenarios: mean of the measure; the rival's mean, times "
+    "Sentences that compare, a row for each set of scenarios: mean of the measure; the rival's mean, with "
     "the factor that the sentence names, or the limit; their difference [95 % interval over training seeds, "
     "scenarios of a set and seeds]. A sentence holds where the whole interval is below 0"
 )
@@ -97,10 +97,18 @@ def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str)
         "scenarios": scenario_set,
         "measure": f"{claim.metric}{told}",
         "controller": number(mine, form),
-        "rival or limit": number(theirs, form),
+        "rival or limit": _rival(claim, theirs, form),
         "difference": MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, f"+{form}"),
         "holds": verdict(ends[1] < 0.0),
     }
+
+
+def _rival(claim: GroupClaim, theirs: float, form: str) -> Entry:
+    """Return the number that a controller has to be below, with the rival's own mean and the factor if any."""
+    if claim.factor == 1.0 or not claim.rival or math.isnan(theirs):
+        return number(theirs, form)
+    numbers = {"factor": claim.factor, "mean": theirs / claim.factor, "value": theirs}
+    return Cell(f"{{factor:.3g}} × {{mean:{form}}} = {{value:{form}}}", numbers)
 
 
 @dataclass(frozen=True)

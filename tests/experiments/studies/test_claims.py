@@ -44,9 +44,9 @@ def test_a_sentence_holds_where_the_whole_interval_is_below_zero():
 def test_a_sentence_with_a_factor_needs_as_much_less():
     half = {**GAPS, (OTHER, "case1"): [0.05, 0.06, 0.07]}
     (row,) = check(half, claim(rival=OTHER, factor=0.5, sets=("case1",)))
-    assert (row["rival or limit"], row["holds"]) == ("3.00", "yes")
+    assert (row["rival or limit"], row["holds"]) == ("0.5 × 6.00 = 3.00", "yes")
     (row,) = check(GAPS, claim(rival=OTHER, factor=0.5, sets=("case1",)))
-    assert (row["rival or limit"], row["holds"]) == ("1.67", "**no**")
+    assert (row["rival or limit"], row["holds"]) == ("0.5 × 3.33 = 1.67", "**no**")
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,7 @@ def test_claims_say_where_they_do_not_hold(functions):
     printed = found["After 200 iterations, AFSA's best is below 20 times what the paper prints of it.",
                     "function:booth-2"]  # fmt: skip
     assert printed["controller"] == f"{values['function:booth-2', AFSA].mean():.3g}"
-    assert printed["rival or limit"] == f"{20 * 0.006078095:.3g}"
+    assert printed["rival or limit"] == f"20 × {0.006078095:.3g} = {20 * 0.006078095:.3g}"
 
 
 def test_a_claim_about_nothing_is_not_made():
