@@ -104,7 +104,7 @@ def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str)
 
 
 def _rival(claim: GroupClaim, theirs: float, form: str) -> Entry:
-    """Return the number that a controller has to be below, with the rival's own mean and the factor if any."""
+    """Return the number that a controller has to be below, with the rival's own mean where it differs."""
     if claim.factor == 1.0 or not claim.rival or math.isnan(theirs):
         return number(theirs, form)
     numbers = {"factor": claim.factor, "mean": theirs / claim.factor, "value": theirs}

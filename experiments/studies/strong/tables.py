@@ -23,10 +23,10 @@ def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         row: Row = {"optimizer and controller": name, **cells, "free at the end": free}
         found.append((float(_gap_at(sample, BUDGET).mean()), row))
     caption = (
-        f"Mean gap in per cent of the optimum over the three cases, {suite.num_seeds} seeds each, after so "
-        "many evaluations [95 % interval over training seeds, cases and seeds]. A run that ends earlier "
-        "keeps its last gap. Free at the end: share of the runs whose best path by fitness is free, before "
-        "any repair"
+        f"Mean gap in per cent of the optimum over the three cases, {suite.num_seeds} test seeds each, after "
+        "so many evaluations [95 % interval over training seeds, cases and seeds]; collision counts as "
+        "length. A run that ends earlier keeps its last gap. Free at the end: share of the runs whose best "
+        "path is free before the final repair"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
     return [Table.of("cases-at-budgets", caption, rows)]

@@ -138,7 +138,7 @@ def test_nothing_is_written_where_something_is_missing(documents, missing):
 
 def test_a_headline_table_without_a_row_of_the_readme_is_refused(documents):
     table = Table(
-        "headline", "Objective.", SHOWN, [(name,) * len(SHOWN) for name in map(label, STRONGEST[1:])]
+        "headline", "Objective.", SHOWN, [(name,) * len(SHOWN) for name in map(label, list(STRONGEST)[1:])]
     )
     (documents / "results/study/headline/headline.json").write_text(table.json())
     with pytest.raises(ValueError, match=r"has no rows of learned three-cases@1$"):
