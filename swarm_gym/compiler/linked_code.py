@@ -27,13 +27,14 @@ def empty_code(kind: type[Code], codegen: "Codegen", name: str) -> Code:
 class EntryCode(JITCodeLibrary):
     """The code of one entry, to which its copy of each kernel belongs alone.
 
-    So LLVM inlines a kernel that is called at one place, however large it is.
+    So LLVM inlines a kernel that is called at one place, however large it is. Copies have no names for others
+    to find, since LLVM may leave out arguments of a kernel where it knows all calls.
     """
 
     def _optimize_final_module(self) -> None:
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage == binding.Linkage.linkonce_odr:
-                function.linkage = "internal"
+                function.linkage = "private"
         super()._optimize_final_module()
 
 
