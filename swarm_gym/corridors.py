@@ -91,7 +91,7 @@ class KnownCorridors:
     """The corridors of the problems of a simulation, made when they are first needed.
 
     A problem is known by its number. When another problem has taken that number, as happens when a robot
-    drives, its corridors are made anew.
+    drives, its corridors are made again.
     """
 
     def __init__(self) -> None:

@@ -197,7 +197,7 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
 
 @kernel
 def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
-    """Evaluate the members of swarm `b` anew, in order; the best so far are the best of them afterwards.
+    """Evaluate the members of swarm `b` again, in order; the best so far are the best of them afterwards.
 
     Members for which the budget does not suffice are deleted.
     """

@@ -3,9 +3,9 @@
 | source | new members |
 |---|---|
 | `uniform` | uniform in a box |
-| `smooth` | smooth bends beside the start-target line, see `swarm_gym.problem.geometry.bends` |
+| `smooth` | smooth bends next to the start-target line, see `swarm_gym.problem.geometry.bends` |
 | `mixed` | smooth with the probability `smooth_share`, else uniform |
-| `guided` | smooth bends beside planned ways through different corridors, see `swarm_gym.ways` |
+| `guided` | smooth bends next to planned ways through different corridors, see `swarm_gym.ways` |
 
 The box of a first population has the scenario's initial bounds; later it is the box that the population spans
 (eq. 12 of the SPSFA paper).
@@ -156,7 +156,7 @@ def note_arrival(arrivals: Floats, iteration: int, smooth: bool, fitness: float,
 
 @kernel(borrows=True)
 def begin_arrivals(arrivals: Floats, iteration: int) -> None:
-    """Delete the records that those of an iteration replace."""
+    """Delete the old records that the records of an iteration replace."""
     window = arrivals.shape[1]
     if window > 0:
         now = iteration % window
@@ -166,7 +166,7 @@ def begin_arrivals(arrivals: Floats, iteration: int) -> None:
 
 @kernel(borrows=True)
 def forget_arrivals(arrivals: Floats) -> None:
-    """Delete all records: those of a first population say nothing about later members."""
+    """Delete all records: the records of a first population say nothing about later members."""
     for k in range(arrivals.shape[1]):
         arrivals[BEST_SMOOTH, k] = np.inf
         arrivals[BECAME_BEST, k] = 0.0

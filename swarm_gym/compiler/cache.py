@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # private names, which may change without any harm
     from numba.core.compiler import CompileResult
     from numba.core.typing.templates import Signature
 
-# The types of the arguments for which a function is compiled, and perhaps that of the result.
+# The types of the arguments for which a function is compiled, and perhaps the type of the result.
 Signed: TypeAlias = "tuple[types.Type, ...] | Signature"
 
 # Only these folders and files of the package hold kernels, which call nothing from outside of them.

@@ -43,7 +43,7 @@ _LEAST_TANH = 1e-3  # below it, two terms of the series are more precise
 # Of the series in x^2 of sin(x) / x and cos(x), without their first terms, the last first.
 _SINE_TERMS = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(9, 0, -1)])
 _COSINE_TERMS = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(9, 0, -1)])
-# Arc tangents of 0, 1/8, ..., 1, from which an arc tangent differs by that of at most 1/16.
+# Arc tangents of 0, 1/8, ..., 1, from which an arc tangent differs by the arc tangent of at most 1/16.
 _NUM_ARCS = 8
 _ARCS = np.array(
     [

@@ -1,8 +1,8 @@
 """Code of kernels, which is linked into entries and only there optimised and made into machine code.
 
 By default, Numba optimises each function that it compiles, with all that it calls, and makes machine code of
-it, since Python might call it. Python never calls the compiled code of a kernel, see `jit.kernel`. So that of
-a kernel is optimised once in each entry, and not at each level of calls.
+it, since Python might call it. Python never calls the compiled code of a kernel, see `jit.kernel`. So the
+code of a kernel is optimised once in each entry, and not at each level of calls.
 """
 
 from typing import TYPE_CHECKING, TypeVar

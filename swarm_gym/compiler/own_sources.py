@@ -1,4 +1,4 @@
-"""Sources outside of the package that compiled code depends on: those of optimizers and kernels of users.
+"""Sources outside of the package that compiled code depends on: the optimizers and kernels of users.
 
 The folder of the cache is named by the sources of this package. Code that was compiled for a class of a user
 also depends on the module of this class and on what it imports. Parameters of an own optimizer are such a

@@ -1,8 +1,8 @@
 """Circles and convex polygons as arrays: how deep segments enter them, and paths pushed out of them.
 
-A segment that enters a convex obstacle is separated from it by the least shift along one of a few directions:
-for a circle, from its centre to the nearest point of the segment; for a polygon, the normals of its edges and
-those of the segment (the separating axis theorem).
+A segment that enters a convex obstacle is separated from it by the least shift along one of a few directions.
+For a circle, the direction leads from its centre to the nearest point of the segment. For a polygon, the
+directions are the normals of its edges and of the segment (the separating axis theorem).
 """
 
 import math
@@ -145,7 +145,7 @@ def push_out(obstacles: Obstacles, path: Floats, most_sweeps: int) -> int:
 
 @kernel
 def _shift(path: Floats, s: int, found: Contact) -> None:
-    """Move the ends of segment `s`, but not those of the path, so that it leaves an obstacle."""
+    """Move the ends of segment `s`, but not the ends of the path, so that it leaves an obstacle."""
     first = 1.0 - found.share if s > 0 else 0.0
     second = found.share if s + 1 < path.shape[0] - 1 else 0.0
     weight = max(first * first + second * second, 1.0 / LARGEST_MOVE**2)

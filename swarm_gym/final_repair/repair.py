@@ -1,4 +1,4 @@
-"""Final repair: push a path out of obstacles, plan what is left anew, pull it tight, check it exactly."""
+"""Final repair: push a path out of obstacles, plan again what is left, pull it tight, check it exactly."""
 
 import math
 from dataclasses import dataclass, replace
@@ -67,7 +67,7 @@ def final_repair(problem: MapProblem, path: Floats) -> FinalRepair | None:
 
 
 class _Freed(NamedTuple):
-    """A free path before it is pulled tight: points, sweeps over all segments, and pieces planned anew."""
+    """A free path before it is pulled tight: points, sweeps over all segments, and pieces planned again."""
 
     path: Floats
     sweeps: int
@@ -94,7 +94,7 @@ def _on_obstacles(problem: MapProblem, path: Floats) -> _Freed | None:
 
 
 def _replanned(problem: MapProblem, path: Floats) -> tuple[Floats, int]:
-    """Return the path, (k, 2), with pieces that are not clear planned anew, and the number of these.
+    """Return the path, (k, 2), with a new plan for each piece that is not clear, and the number of these.
 
     A piece goes from the last point before it that is free to the first free one behind it. A piece between
     which and its ends there is no way stays as it is.

@@ -1,7 +1,7 @@
 """Differential evolution with a memory of what was successful, L-SHADE.
 
 Source: R. Tanabe, A. S. Fukunaga, "Improving the search performance of SHADE using linear population size
-reduction", IEEE CEC 2014; mutation and archive are those of J. Zhang, A. C. Sanderson, "JADE: adaptive
+reduction", IEEE CEC 2014; mutation and archive come from J. Zhang, A. C. Sanderson, "JADE: adaptive
 differential evolution with optional external archive", IEEE Transactions on Evolutionary Computation 13(5),
 2009. The population size is decided from outside: the linear reduction of the paper is the controller
 `linear-reduction`, and `nlpsr` is a later one. Readings are listed in docs/readings.md.
@@ -308,7 +308,7 @@ def adopt(parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Wo
 def change_size(
     parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Grow or shrink swarm `b`; the next generation trims the archive, which is stored beside the members."""
+    """Grow or shrink swarm `b`; the next generation trims the archive, stored next to the members."""
     archived = swarms.registers[b, ARCHIVED]
     kept = _archive(swarms, b)[:archived].copy()
     loop.resize_population(parameters, swarms, b, table, work, size)

@@ -99,7 +99,7 @@ def _spin(wheel: Floats, share: float) -> int:
 
 @kernel
 def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> None:
-    """Draw some genes of `work.path` anew, uniform inside the bounds."""
+    """Draw some genes of `work.path` again, uniform inside the bounds."""
     fill_uniform(swarms.stream[b], work.noise)
     mutated = work.noise[: table.dimension] < rate
     if mutated.any():

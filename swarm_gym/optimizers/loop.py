@@ -1,4 +1,4 @@
-"""The compiled loops over swarms: they begin swarms, advance them by one iteration or evaluate them anew.
+"""The compiled loops over swarms: they begin swarms, advance them by one iteration or evaluate them again.
 
 These loops are the same for all optimizers. They are compiled for each optimizer by itself: the class of its
 parameters, a NamedTuple, chooses its `Kernels`, which `Optimizer` registers here.
@@ -63,7 +63,7 @@ def adopt_population(
 def re_evaluate_population(
     _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate the members of swarm `b` and then the best so far anew, after its problem has changed."""
+    """Evaluate the members of swarm `b` and then the best so far again, after its problem has changed."""
     best = swarms.best_position[b].copy()
     re_evaluate_members(swarms, b, table, work)
     recall(swarms, b, table, work, best)
@@ -81,7 +81,7 @@ class Kernels(NamedTuple):
         begin: (..., size) draws a first population, see `draw_population`.
         adopt: (..., size) takes given positions as the first population, see `adopt_population`.
         change_size: (..., size) grows or shrinks a population, see `resize_population`.
-        re_evaluate: (...) evaluates anew all that a swarm remembers, members first, see
+        re_evaluate: (...) evaluates again all that a swarm remembers, members first, see
             `re_evaluate_population`; the budget suffices for at least one evaluation.
     """
 
@@ -198,7 +198,7 @@ def step_chosen(
 def re_evaluate_chosen(
     defaults: Parameters, swarms: Swarms, tables: Tables, chosen: Flags, mean_weight: float
 ) -> None:
-    """Evaluate the chosen swarms anew, on problems that have changed, and summarise them.
+    """Evaluate the chosen swarms again, on problems that have changed, and summarise them.
 
     The class of `defaults` chooses the kernels, which need no parameters for this.
     """

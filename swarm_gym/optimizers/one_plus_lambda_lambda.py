@@ -33,7 +33,7 @@ from swarm_gym.problem.onemax.table import OneMaxTable
 Floats = NDArray[np.float64]
 
 # Half the width of a window around a mode, in standard deviations, beyond which there is less than 1e-17; and
-# a density, relative to that of the mode, at which a window ends.
+# a density, relative to the density of the mode, at which a window ends.
 REACH, LEAST_REACH, TINY = 9.0, 40, 1e-18
 
 

@@ -119,7 +119,7 @@ class Optimizer:
         mean_weight: float,
         num_threads: int = 1,
     ) -> None:
-        """Evaluate anew what the chosen swarms remember, since their problems have changed.
+        """Evaluate again what the chosen swarms remember, since their problems have changed.
 
         Members come first, in order; members for which the budget does not suffice are deleted. The budget
         must have at least one evaluation left. The best so far stays only if it is still the best.

@@ -125,7 +125,7 @@ def iterate(
     work: Workspace,
     repair_degree: float,
 ) -> None:
-    """Advance swarm `b` by one iteration; the best position of the swarm is that of the iteration before."""
+    """Advance swarm `b` by one iteration, with the best position of the swarm from the iteration before."""
     progress = swarms.iteration[b] / max(swarms.iterations[b] - 1, 1)
     inertia = parameters.first_inertia + (parameters.last_inertia - parameters.first_inertia) * progress
     inertia *= parameters.inertia_factor
@@ -161,7 +161,7 @@ def iterate(
 def re_evaluate(
     _parameters: ParticleSwarmParameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate the positions anew, then the best position of each particle; the better of the two is kept."""
+    """Evaluate the positions again, then the best position of each particle; the better one is kept."""
     width, best = swarms.positions.shape[2], swarms.best_position[b].copy()
     at = particle_columns(width)
     re_evaluate_members(swarms, b, table, work)

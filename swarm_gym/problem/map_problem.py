@@ -1,4 +1,4 @@
-"""The interface of problems on maps, which can begin anew where a robot has arrived."""
+"""The interface of problems on maps, which can begin again where a robot has arrived."""
 
 from abc import abstractmethod
 from dataclasses import replace
@@ -19,7 +19,7 @@ class MapProblem(Problem):
 
     Attributes:
         scenario: the map and the task.
-        ways: (K, dimension) the paths that smooth new members lie beside; None is the straight line.
+        ways: (K, dimension) the paths that smooth new members lie next to; None is the straight line.
     """
 
     scenario: MapScenario

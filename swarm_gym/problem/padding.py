@@ -13,7 +13,7 @@ from swarm_gym.compiler.simd import padded
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
-# Numbers of a table: those of one problem, or `Integers` and `Floats` where problems are stacked.
+# Numbers of a table: `int` and `float` for one problem, `Integers` and `Floats` where problems are stacked.
 Whole = TypeVar("Whole", default=int)
 Real = TypeVar("Real", default=float)
 

@@ -1,8 +1,8 @@
 """A* on an occupancy grid: the shortest path over neighbouring cells, straight or diagonal.
 
 Source: P. E. Hart, N. J. Nilsson, B. Raphael, "A formal basis for the heuristic determination of minimum
-cost paths", IEEE Trans. Syst. Sci. Cybern. 4(2):100-107, 1968. A diagonal step needs both cells beside it
-free, as in the benchmark of N. R. Sturtevant (IEEE TCIAIG 4(2):144-148, 2012).
+cost paths", IEEE Trans. Syst. Sci. Cybern. 4(2):100-107, 1968. A diagonal step needs both cells next to
+it free, as in the benchmark of N. R. Sturtevant (IEEE TCIAIG 4(2):144-148, 2012).
 """
 
 import math
@@ -29,7 +29,7 @@ class GridPath(NamedTuple):
     """A shortest path over the cells of a grid."""
 
     length: float
-    "Number of straight steps plus sqrt 2 times that of diagonal ones, in cells."
+    "Number of straight steps plus sqrt 2 times the number of diagonal steps, in cells."
     cells: NDArray[np.int64]
     "Cells (column, row) from start to goal, (k, 2)."
     expansions: int
@@ -87,7 +87,7 @@ def search(
         blocked: (height, width) the grid.
         start: first cell.
         goal: last cell; its `queue.length` stays infinite if it cannot be reached.
-        queue: an empty queue; afterwards its lengths are those of paths from the start.
+        queue: an empty queue; afterwards its lengths are the lengths of paths from the start.
         straight: number of straight steps of the path to a cell, changed in place.
         diagonal: number of diagonal steps of the path to a cell, changed in place.
         arrival: cell before a cell on its path, changed in place.
@@ -141,7 +141,7 @@ def smooth(blocked: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.i
 
     Args:
         blocked: (height, width) the grid.
-        cells: (k, 2) a path (column, row) whose steps are free, as that of `shortest_grid_path`.
+        cells: (k, 2) a path (column, row) whose steps are free, such as the path of `shortest_grid_path`.
 
     Returns:
         The cells that are kept, (m, 2), with the first and the last one.

@@ -107,7 +107,7 @@ def search(
         start_y: shifted row of the start.
         goal_x: shifted column of the goal.
         goal_y: shifted row of the goal.
-        queue: an empty queue of n + 1 nodes; afterwards its lengths are those of paths from the start,
+        queue: an empty queue of n + 1 nodes; afterwards it has the lengths of paths from the start,
             infinite if there is none.
         sight: scratch arrays.
         arrival: (n + 1,) corner before a node, or -1 for the start; changed in place.

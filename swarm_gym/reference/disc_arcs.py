@@ -5,7 +5,7 @@ only the quarter opposite to the corner's blocked cell matters: elsewhere the di
 angle of a quarter is 0 along the columns and a quarter turn along the rows, both away from the blocked cell.
 So it has the same meaning for all four kinds of corners, though it grows clockwise for two of them.
 
-Coordinates are those of `grid_sight`. The outside of the grid is free, but the centre stays on the grid.
+Coordinates are as in `grid_sight`. The outside of the grid is free, but the centre stays on the grid.
 """
 
 import math

@@ -149,7 +149,7 @@ def tangents_from_point(
 
 @entry
 def strip_is_free(grid: SightGrid, x0: float, y0: float, x1: float, y1: float, reach: float) -> bool:
-    """Return whether no blocked cell enters the rectangle of all points that are beside a segment.
+    """Return whether no blocked cell enters the rectangle of all points that are next to a segment.
 
     Args:
         grid: the grid, outside of which everything is free.

@@ -1,7 +1,7 @@
 """Sites at which a shortest path can bend: corners and discs, and their arcs that no other obstacle covers.
 
-A corner of a polygon is a circle of radius zero here. Its arc goes from the outward normal of the one edge to
-that of the other: a line through the corner that does not enter the polygon has its normal there.
+A corner of a polygon is a circle of radius zero here. Its arc goes from the outward normal of one edge to
+the normal of the other. A line through the corner that does not enter the polygon has its normal there.
 """
 
 import math

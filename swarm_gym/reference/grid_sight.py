@@ -119,7 +119,7 @@ def see_from_point(grid: SightGrid, x: float, y: float, sight: CornerSight) -> i
 def see_every_corner(grid: SightGrid, x: float, y: float, sight: CornerSight) -> int:
     """Find all corners that a point sees, also those where a path could not turn.
 
-    The point is a corner or touches a free cell; arguments and result are those of `see_from_point`.
+    The point is a corner or touches a free cell; arguments and result are as in `see_from_point`.
     """
     return _see_around(grid, x, y, True, sight)
 
@@ -127,7 +127,7 @@ def see_every_corner(grid: SightGrid, x: float, y: float, sight: CornerSight) ->
 @kernel
 def _see_around(grid: SightGrid, x: float, y: float, every: bool, sight: CornerSight) -> int:
     """Find the corners that a point sees: `every` one, or those where a path could turn."""
-    # A point beside a grid line by a rounding error would see nothing along that line.
+    # A point that a rounding error puts next to a grid line would see nothing along that line.
     if abs(x - round(x)) <= TOLERANCE:
         x = float(round(x))
     if abs(y - round(y)) <= TOLERANCE:

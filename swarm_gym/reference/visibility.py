@@ -41,7 +41,8 @@ def shortest_path(scenario: Scenario) -> tuple[float, Floats]:
 
     Returns:
         The length in map units, and the path as a polyline in map coordinates, shape (k, 2). The
-        length is that of the path itself. Around discs the polyline lies outside the arcs and touches them.
+        length is the length of the path itself. Around discs the polyline lies outside the arcs and touches
+        them.
 
     Raises:
         ScenarioError: if the obstacles separate start and target.
@@ -146,7 +147,7 @@ def _without_repetitions(corners: Floats, sizes: Integers) -> tuple[Floats, Inte
 
 
 def _polygons(corners: Floats, sizes: Integers) -> tuple[Floats, Integers, Floats, Integers, Integers]:
-    """Return circles around polygons, the first plane of each, all planes, and who is beside each corner.
+    """Return circles around polygons, the first plane of each, all planes, and the neighbours of each corner.
 
     Args:
         corners: corners of all polygons, each counter-clockwise, (m, 2).
@@ -156,7 +157,7 @@ def _polygons(corners: Floats, sizes: Integers) -> tuple[Floats, Integers, Float
     edges = corners[after] - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / lengths[:, None]
-    # A short edge has a direction that rounding can turn; its line is put outside the corners beside it.
+    # A short edge has a direction that rounding can turn; its line is put outside the corners next to it.
     near = (corners[before], corners, corners[after], corners[after[after]])
     offsets = np.min([np.einsum("ij,ij->i", normals, one) for one in near], axis=0)
     circles = np.zeros((len(sizes), 3))

@@ -119,8 +119,8 @@ def ensure_optima(
 ) -> list[float]:
     """Return the least fitness of each problem, in map units; unknown ones are computed and stored.
 
-    On a grid map that is the length of the shortest path at any angle, which a curve may not reach. That of a
-    test function is known.
+    On a grid map that is the length of the shortest path at any angle, which a curve may not reach. The
+    optimum of a test function is known.
 
     Args:
         problems: any number; about a fifth of a second for each that is not known.

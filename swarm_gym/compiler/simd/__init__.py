@@ -7,7 +7,7 @@ into vector instructions of whatever width the processor has. Since nothing is l
 the bits are the same on all of them, and sums have the order of `total`.
 
 Lanes exist inside kernels only. Arrays that are padded to a multiple of eight need no loops over a remainder.
-With the JIT off, lanes are NumPy arrays of length eight and each function is that of `functions`, in Python;
+With the JIT off, lanes are NumPy arrays of length eight and each function is the Python one in `functions`;
 `compiled` registers its compiled form.
 """
 

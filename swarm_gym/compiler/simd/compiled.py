@@ -109,7 +109,7 @@ def _is_number(kind: Any) -> bool:
 
 
 def _goes_with(lanes: LanesType, other: Any) -> bool:
-    """Return whether an operand can stand beside lanes: lanes of that kind, or a number that can be one."""
+    """Return whether an operand can be used with lanes: lanes of that kind, or a number that can be one."""
     if other == lanes:
         return True
     return _is_number(other) if lanes == FLOATS else lanes == WORDS and other == types.uint64

@@ -196,7 +196,7 @@ def _best_cells(swarms: Swarms, b: int, table: WalkTable) -> NDArray[np.int32]:
 def _renew_trails(
     parameters: AntColonyParameters, swarms: Swarms, b: int, table: WalkTable, ants: Ants, walks: Walks
 ) -> None:
-    """Let trails evaporate, then lay those of the ants that arrived and of the best one so far."""
+    """Let trails evaporate, then lay the trails of the ants that arrived and of the best one so far."""
     trails, width, cells = ants.trails, table.num_columns, walks.cells
     best = _best_cells(swarms, b, table)
     straight = math.hypot(table.target[0] - table.start[0], table.target[1] - table.start[1])
@@ -235,7 +235,7 @@ def change_size(
     work: Workspace,  # noqa: ARG001
     size: int,
 ) -> None:
-    """Set the number of ants of the next iteration; until then the members are those of the last one."""
+    """Set the number of ants of the next iteration; until then the members of the last one stay."""
     swarms.registers[b, _NEXT_SIZE] = size
 
 

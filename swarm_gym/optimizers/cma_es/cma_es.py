@@ -87,7 +87,7 @@ class CmaEsParameters(NamedTuple):
 def begin(
     parameters: CmaEsParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Draw a first population; the mean is that of its better half, weighted."""
+    """Draw a first population; the mean is the weighted mean of its better half."""
     loop.draw_population(parameters, swarms, b, table, work, size)
     _settle(parameters, swarms, b, table, size)
 
@@ -96,7 +96,7 @@ def begin(
 def adopt(
     parameters: CmaEsParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Begin with given positions; the mean is that of the better half, weighted."""
+    """Begin with given positions; the mean is the weighted mean of the better half."""
     loop.adopt_population(parameters, swarms, b, table, work, size)
     _settle(parameters, swarms, b, table, size)
 
@@ -125,7 +125,7 @@ def change_size(
     work: Workspace,  # noqa: ARG001
     size: int,
 ) -> None:
-    """Set the size of the next generation; until then the members are those of the last one."""
+    """Set the size of the next generation; until then the members of the last one stay."""
     swarms.registers[b, NEXT_SIZE] = size
 
 
@@ -176,7 +176,7 @@ def _begin_anew(parameters: CmaEsParameters, swarms: Swarms, b: int, table: Tabl
 
 @kernel
 def re_evaluate(parameters: CmaEsParameters, swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
-    """Evaluate the members and the best so far anew; forget the history of fitness."""
+    """Evaluate the members and the best so far again; forget the history of fitness."""
     loop.re_evaluate_population(parameters, swarms, b, table, work)
     swarms.registers[b, RECORDED] = swarms.registers[b, SINCE_BEST] = 0
     if swarms.registers[b, REASON] == STALLED:

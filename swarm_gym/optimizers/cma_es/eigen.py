@@ -42,7 +42,7 @@ def decompose(rows: Floats, width: int, values: Floats, beside: Floats) -> bool:
 
 @kernel(borrows=True)
 def _make_tridiagonal(u: Floats, width: int, d: Floats, e: Floats) -> None:
-    """Reduce a matrix to its diagonal `d` and the numbers beside it, `e`, by reflections kept in `u`."""
+    """Reduce a matrix to its diagonal `d` and the numbers next to it, `e`, by reflections kept in `u`."""
     n = d.shape[0]
     for j in range(n):
         d[j] = u[j * width + n - 1]
@@ -119,7 +119,7 @@ def _collect(u: Floats, width: int, d: Floats) -> None:
 
 @kernel(borrows=True)
 def _find_values(u: Floats, width: int, d: Floats, e: Floats) -> bool:
-    """Make the tridiagonal matrix of diagonal `d` and `e` beside it diagonal, by rotations of rows of `u`."""
+    """Make a tridiagonal matrix of diagonal `d` and `e` next to it diagonal, by rotations of rows of `u`."""
     n, shift, largest = d.shape[0], 0.0, 0.0
     for i in range(1, n):
         e[i - 1] = e[i]

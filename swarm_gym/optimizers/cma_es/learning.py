@@ -55,7 +55,7 @@ def learn(
         dimension: dimension of the problem.
         offspring: steps of the members, and their lengths.
         order: (lambda,) the members, best first.
-        weights: (lambda,) weights by rank; those of the worse half are negative.
+        weights: (lambda,) weights by rank, negative for the worse half.
         rates: learning rates.
     """
     width = offspring.ranges.shape[0]

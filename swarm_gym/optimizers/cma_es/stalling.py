@@ -1,4 +1,4 @@
-"""Signs that CMA-ES has stalled, so that it should begin anew.
+"""Signs that CMA-ES has stalled, so that it should restart.
 
 Source: the tutorial (see `rates`), B.3. The history of fitness is limited; see docs/readings.md.
 """
@@ -41,7 +41,7 @@ def judge(
     order: Integers,
     first_step: float,
 ) -> None:
-    """Record the fitness of a generation, and let the next one begin anew if this one has stalled.
+    """Record the fitness of a generation, and let the swarm restart before the next one if it has stalled.
 
     Args:
         state: the swarm's row of `Swarms.field`.

@@ -24,7 +24,7 @@ _NUM_NUMBERS = 8  # a whole block of lanes
 
 # Counts of a swarm, columns of `Swarms.registers`: size of the next generation; restarts of this episode;
 # generations since the last restart, since the best fitness last improved, and since the square root of the
-# covariance was computed; generations in the history of fitness; and why the next generation begins anew.
+# covariance was computed; generations in the history of fitness; and the reason for the next restart.
 NUM_COUNTS = 7
 NEXT_SIZE, RESTARTS, GENERATION, SINCE_BEST, SINCE_ROOT, RECORDED, REASON = range(NUM_COUNTS)
 # Reasons.
@@ -86,7 +86,7 @@ def spread_out(state: Floats, registers: Integers, width: int, dimension: int, f
 
 @kernel(borrows=True)
 def write_ranges(table: Table, ranges: Floats) -> None:
-    """Write the ranges of the initial bounds, (C,); where one is empty, that of the bounds."""
+    """Write the ranges of the initial bounds, (C,); where one is empty, the range of the bounds."""
     for k in range(ranges.shape[0]):
         ranges[k] = table.initial_upper[k] - table.initial_lower[k]
         if not ranges[k] > 0.0:

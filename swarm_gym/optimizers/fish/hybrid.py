@@ -5,7 +5,7 @@ doi 10.11591/telkomnika.v12i8.5247, was available as an abstract only: an artifi
 adaptive, enhanced prey behaviour, and with sight and step that change by segments of the run. The rules of
 these changes are our own; nothing is claimed about the original.
 
-In the first third of the iterations sight and step are those of AFSA; they shrink linearly to a quarter in
+In the first third of the iterations sight and step are as in AFSA. They shrink linearly to a quarter in
 the second third, and exponentially in the last. A fish preys in up to three rounds, each from the best point
 of the round before. Each third of the iterations adds as many tries as the first one has.
 """

@@ -1,6 +1,6 @@
 """The members of a glowworm swarm: the robot, which is the first, and others anywhere in the free cells.
 
-The sources are those of `glowworm`. Brand and Yu place their members on a square lattice. How members are
+The sources are listed in `glowworm`. Brand and Yu place their members on a square lattice. How members are
 added later is a reading, see docs/readings.md.
 """
 
@@ -119,7 +119,7 @@ def change_size(
 
 @kernel
 def re_evaluate(_parameters: Parameters, swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
-    """Keep the robot and place all others anew, on a map that has changed.
+    """Keep the robot and place all others again, on a map that has changed.
 
     A swarm that moves in one direction would light no other path.
     """

@@ -230,7 +230,7 @@ def iterate(
 def re_evaluate(
     _parameters: MultivariateParameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate heads and lists anew, sort the lists, exchange heads for better points, sort the regions."""
+    """Evaluate heads and lists again, sort the lists, exchange heads for better points, sort the regions."""
     best = swarms.best_position[b].copy()
     re_evaluate_members(swarms, b, table, work)
     cut_regions(swarms, b)

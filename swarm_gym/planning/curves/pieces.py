@@ -4,7 +4,7 @@ A pose is (x, y, heading), with headings in radians from the x axis towards the 
 length); the curvature is positive where the heading grows with the length, and the length is negative where
 the robot reverses. Lengths have the unit of the coordinates.
 
-Forward only, the curves are those of L. E. Dubins, "On curves of minimal length with a constraint on average
+Forward only, the curves come from L. E. Dubins, "On curves of minimal length with a constraint on average
 curvature, and with prescribed initial and terminal positions and tangents", American Journal of Mathematics
 79(3), 1957. With reversing, they are the words CSC and CCC of J. A. Reeds and L. A. Shepp, "Optimal paths for
 a car that goes both forwards and backwards", Pacific Journal of Mathematics 145(2), 1990. Their words of four
@@ -89,7 +89,7 @@ def _angle(value: float, reverses: bool) -> float:
 def _kept(
     first: float, second: float, third: float, middle: float, last: float, radius: float, pieces: Floats
 ) -> None:
-    """Write three pieces: lengths in radii, and curvatures of two of them relative to that of the first."""
+    """Write three pieces: lengths in radii, and curvatures of two of them relative to the first curvature."""
     pieces[0, 1], pieces[1, 1], pieces[2, 1] = radius * first, radius * second, radius * third
     pieces[0, 0] = pieces[0, 0] / radius
     pieces[1, 0], pieces[2, 0] = middle * pieces[0, 0], last * pieces[0, 0]

@@ -3,7 +3,7 @@
 D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for autonomous vehicles in unknown
 semi-structured environments", International Journal of Robotics Research 29(5), 2010. States are poses of any
 numbers. Of those in one cell of position and heading, the cheapest is kept. Steps are short arcs. The
-estimate of the rest is that of a guide, see `guide`, or the length of the curve without obstacles,
+estimate of the rest comes from a guide, see `guide`, or is the length of the curve without obstacles,
 whichever is larger.
 """
 
@@ -72,7 +72,7 @@ class Search(NamedTuple):
 
 
 def make_search(most: int, cell: float, headings: int, step: float, weight: float) -> Search:
-    """Return an empty search of at most so many nodes; other arguments are those of `Search`."""
+    """Return an empty search of at most so many nodes; other arguments are as in `Search`."""
     slots = 1 << (2 * most - 1).bit_length()
     queue = PriorityQueue(
         np.empty(most, np.int64), np.full(most, -1, np.int64), np.empty(most), np.empty(most)
@@ -128,7 +128,7 @@ def expand(
     """Expand up to so many nodes; return whether the search has ended.
 
     It ends when nothing waits that can be better, or when its arrays are full. Once a curve is known, it also
-    ends after `patience` further nodes. `field` has the obstacles and costs; other arguments are those of
+    ends after `patience` further nodes. `field` has the obstacles and costs; other arguments are as in
     `begin`.
     """
     counts, numbers, queue = search.counts, search.numbers, search.queue

@@ -1,7 +1,7 @@
 """Local search for drivable curves: parts are replaced by others that cost less and obey the same limits.
 
 A trial draws a part of the curve and a radius of arcs. It tries the curve of least length between both ends
-of the part. Or it tries two such curves over a pose that is drawn beside the part. So the limits hold before
+of the part. Or it tries two such curves over a pose that is drawn near the part. So the limits hold before
 and after each trial, and the cost never grows.
 """
 
@@ -24,7 +24,7 @@ NOTHING = 1e-9  # length of a piece that counts as none
 GAIN = 1e-7  # share by which a part must cost less to count
 RADII = np.array([1.0, 1.0, 1.0, 1.4, 2.0, 3.0, 5.0, 9.0])  # of arcs, over the least radius
 SHORTEST = 0.3  # shortest part that is replaced, in turning radii
-ASIDE, TURNED = 0.3, 1.0  # how far poses are drawn beside a part: over its length, and in radians, at most
+ASIDE, TURNED = 0.3, 1.0  # how far poses are drawn from a part: over its length, and in radians, at most
 SMALLEST = 0.003  # smallest share of these
 
 # Places among the numbers of a chain.
@@ -240,7 +240,7 @@ def _part_of(
 
 @kernel
 def _draw_beside(chain: Chain, part: _Part, draws: Floats, reach: float, pose: Floats) -> None:
-    """Write a pose that is drawn beside the middle of a part; `reach` is a share of the largest distance."""
+    """Write a pose that is drawn near the middle of a part; `reach` is a share of the largest distance."""
     halfway = part.first + (0.2 + 0.6 * draws[7]) * (part.last - part.first)
     _write_pose(chain, _piece_at(chain, halfway), halfway, pose)
     aside = reach * ASIDE * (part.last - part.first)

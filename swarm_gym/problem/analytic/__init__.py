@@ -1,1 +1,1 @@
-"""Problems on maps of circles and convex polygons: waypoints beside the start-target line."""
+"""Problems on maps of circles and convex polygons: waypoints next to the start-target line."""

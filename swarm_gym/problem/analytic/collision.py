@@ -49,7 +49,7 @@ Floats = NDArray[np.float64]
 
 @kernel(inline="late")
 def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, Lanes, Lanes]:
-    """Return `left`, `rise` and `length` of the segments of a block; `path` is that of `cost.evaluate`."""
+    """Return `left`, `rise` and `length` of the segments of a block; `path` is as in `cost.evaluate`."""
     first = block * NUM_LANES
     left = load(path, first)
     rise = load(path, first + 1) - left

@@ -26,7 +26,7 @@ class Pair(NamedTuple):
     segment: int
     bottom: float  # extent in y' of the obstacle over the overlap
     top: float
-    # x' and y' of the centre, radius, and x' of both ends of the overlap, less that of the centre.
+    # x' and y' of the centre, radius, and x' of both ends of the overlap, less x' of the centre.
     circle: tuple[float, float, float, float, float] | None
     corners: tuple[tuple[float, float, float], ...]  # x', top and bottom of a polygon's corners
 

@@ -26,8 +26,8 @@ class AnalyticProblem(MapProblem):
     Attributes:
         scenario: the map and the task.
         num_waypoints: n, the dimension of a decision vector.
-        length_weight: mu in (0, 1], the weight of the length in the fitness; 1 - mu is that of the collision.
-        ways: (K, num_waypoints) the paths that smooth new members lie beside; None is the straight line.
+        length_weight: mu in (0, 1], the weight of the length in the fitness; the collision has weight 1 - mu.
+        ways: (K, num_waypoints) the paths that smooth new members lie next to; None is the straight line.
     """
 
     scenario: Scenario
@@ -87,7 +87,7 @@ class AnalyticProblem(MapProblem):
         return replace(self, scenario=replace(self.scenario, start=start, initial_range=None), ways=None)
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
-        """Return the offsets at which the same paths pass beside the new line, inside the workspace."""
+        """Return the offsets of the same paths from the new line, inside the workspace."""
         return self.along(before.points(vectors))
 
     def along(self, paths: Floats) -> Floats:

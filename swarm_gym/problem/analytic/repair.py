@@ -44,7 +44,7 @@ def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degr
 def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
     """Repair all segments of a path once, from the start on.
 
-    `path` is that of `cost.evaluate`; it is changed in place, but for its ends.
+    `path` is as in `cost.evaluate`; it is changed in place, but for its ends.
 
     A segment in contact moves along y' by `repair_degree` (phi in [0, 1]) times the smaller of its two
     clearing shifts. It moves to that side, and not out of the workspace.

@@ -55,7 +55,7 @@ class WaypointTable(NamedTuple, Generic[Whole, Real]):
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
     width: Real  # largest extent of the workspace across the line, at a waypoint
-    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
+    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie next to
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     squared_spacing: Floats  # (C,) squared x' length of the segments; tiny beyond them
@@ -114,7 +114,7 @@ def tabulate(
         pairs: the pairs of a segment and an obstacle over it.
         num_waypoints: n, number of waypoints.
         length_weight: mu.
-        ways: (K, n) the paths that smooth bends lie beside; the straight line if there are none.
+        ways: (K, n) the paths that smooth bends lie next to; the straight line if there are none.
     """
     spacing = spacing_of(scenario, num_waypoints)
     shapes = rotated_shapes(scenario)

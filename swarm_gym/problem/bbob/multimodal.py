@@ -47,7 +47,7 @@ def rotated_rastrigin(outer: Floats, y: Floats, z: Floats) -> float:
 def weierstrass(outer: Floats, path: Floats, y: Floats, z: Floats) -> float:
     """Return f16: 10 (mean over the components of Weierstrass' sum - f_0)^3, and a penalty.
 
-    The sum is that of cos(2 pi 3^k (z + 1/2)) / 2^k, with z = R Lambda^(1/100) Q T_osz(y).
+    The terms of the sum are cos(2 pi 3^k (z + 1/2)) / 2^k, with z = R Lambda^(1/100) Q T_osz(y).
     """
     oscillate(y)
     transform(outer, y, z)
@@ -98,7 +98,7 @@ def griewank_rosenbrock(y: Floats, scale: float) -> float:
 def schwefel(weights: Floats, optimum: Floats, path: Floats, z: Floats) -> float:
     """Return f20: Schwefel's function of a vector whose neighbours are coupled, and a penalty of that vector.
 
-    Weights are those of Lambda^10, `optimum` is x_opt; both are (C,).
+    `weights` is the diagonal of Lambda^10, `optimum` is x_opt; both are (C,).
     """
     size = z.shape[0]
     waves, outside, before = 0.0, 0.0, 0.0

@@ -40,9 +40,9 @@ def ellipsoid(weights: Floats, y: Floats) -> float:
 
 @kernel(inline="late")
 def separable_rastrigin(weights: Floats, y: Floats) -> float:
-    """Return f3: Rastrigin's function of Lambda^10 T_asy^0.2(T_osz(y)); weights are those of Lambda^10.
+    """Return f3: Rastrigin's function of Lambda^10 T_asy^0.2(T_osz(y)).
 
-    MetaBox has it where y is rotated, too.
+    `weights` is the diagonal of Lambda^10. MetaBox has this function where y is rotated, too.
     """
     oscillate(y)
     skew(y, 0.2)
@@ -55,8 +55,8 @@ def separable_rastrigin(weights: Floats, y: Floats) -> float:
 def skew_rastrigin(weights: Floats, path: Floats, y: Floats) -> float:
     """Return f4: Rastrigin's function of s_k T_osz(y_k), and a penalty.
 
-    Weights are those of Lambda^10; s_k is ten times that where the component is positive and k is even.
-    MetaBox has it where y is rotated, too.
+    `weights` is the diagonal of Lambda^10; s_k is ten times the weight where the component is positive and k
+    is even. MetaBox has this function where y is rotated, too.
     """
     oscillate(y)
     for k in range(y.shape[0]):
@@ -70,7 +70,7 @@ def skew_rastrigin(weights: Floats, path: Floats, y: Floats) -> float:
 def linear_slope(weights: Floats, path: Floats, y: Floats) -> float:
     """Return f5: the sum of 5 |s_k| - s_k z_k; weights are s_k.
 
-    z_k is x_k, or that of the optimum where x_k lies beyond it.
+    z_k is x_k, or the component of the optimum where x_k lies beyond it.
     """
     total = 0.0
     for k in range(y.shape[0]):

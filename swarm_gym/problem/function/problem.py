@@ -54,7 +54,7 @@ class FunctionProblem(Problem):
         return self.scenario.function, list(self.scenario.optimum)
 
     def values_in_plane(self, first: Floats, second: Floats) -> Floats:
-        """Return the values over a plane, (m, n); components beyond the first two are those of the optimum.
+        """Return the values over a plane, (m, n); components beyond the first two come from the optimum.
 
         Args:
             first: (n,) values of the first component.

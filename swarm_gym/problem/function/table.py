@@ -135,9 +135,9 @@ def squared_sine(half_turns: LanesOrFloat) -> LanesOrFloat:
     """Return sin(pi x)^2 of lanes or a number: (1 - cos(2 pi x)) / 2, without cancellation where it is small.
 
     The sine of the C library knows no lanes, and took two thirds of the time of a fish swarm on Rastrigin's
-    function. An angle in half turns is reduced exactly: the square repeats itself after one half turn, and
-    beyond a quarter of it, the square is 1 less that of the complement. The polynomial is that of the kernel
-    sine of Sun's fdlibm (k_sin.c), for angles up to pi / 4; the result is exact to a few last bits.
+    function. An angle in half turns is reduced exactly: the square repeats itself after one half turn.
+    Beyond pi / 4, the square is 1 less the square of the complement. The polynomial comes from the kernel
+    sine of Sun's fdlibm (k_sin.c), for angles up to pi / 4. The result is exact to a few last bits.
     """
     turned = half_turns - floor(half_turns + 0.5)  # from -1/2 to 1/2
     turned = maximum(turned, 0.0 - turned)
@@ -155,7 +155,7 @@ def squared_sine(half_turns: LanesOrFloat) -> LanesOrFloat:
 
 @entry
 def values_in_plane(table: FunctionTable, first: Floats, second: Floats) -> Floats:
-    """Return the values over a plane; components beyond the first two are those of the optimum.
+    """Return the values over a plane; components beyond the first two come from the optimum.
 
     Args:
         table: the problem table.

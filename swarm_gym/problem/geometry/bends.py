@@ -144,4 +144,4 @@ def draw_bend(table: BentTable, amplitude: float, kind: int, noise: Floats, path
 
 @kernel(borrows=True)
 def no_bend(table: object, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
-    """Do nothing: decision vectors of this kind of problem are not paths beside a line."""
+    """Do nothing: decision vectors of this kind of problem are not paths next to a line."""

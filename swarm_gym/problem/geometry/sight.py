@@ -66,7 +66,7 @@ def sees(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: floa
 def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> float:
     """Return a place where a segment is in a blocked cell or about to enter one; -1 if it is free.
 
-    The place is a share of the segment, from its first end on. The arguments are those of `sees`.
+    The place is a share of the segment, from its first end on. The arguments are as in `sees`.
     """
     dx, dy = x1 - x0, y1 - y0
     broadest, found = -1, -1.0
@@ -149,7 +149,7 @@ def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float,
         x, y = x0 + share * dx, y0 + share * dy
         column, row = _cell(x, rooms.shape[1]), _cell(y, rooms.shape[0])
         room = rooms[row, column]
-        # For a point beside the map, the cell is only the nearest one.
+        # For a point outside of the map, the cell is only the nearest one.
         is_inside = abs(x - column) < 1.0 and abs(y - row) < 1.0
         if room > 0 or (room < -1 and is_inside):
             if near >= 0.0:

@@ -44,7 +44,7 @@ class GridProblem(GridMapProblem):
         num_points: free control points of a Bezier curve, or waypoints.
         penalty: lambda, the fitness that each of `table.num_pieces` equal parts of a path costs if blocked.
         distance_weight: weight of the cost of nearness to blocked cells, see `nearness`.
-        ways: (K, D) the paths that smooth new members lie beside; None is the straight line.
+        ways: (K, D) the paths that smooth new members lie next to; None is the straight line.
     """
 
     scenario: GridScenario
@@ -99,7 +99,7 @@ class GridProblem(GridMapProblem):
         return math.hypot(x_max - x_min, y_max - y_min) * num_legs * (1.0 + 1.0 / self.table.num_pieces)
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
-        """Return offsets at which the same paths pass beside the new line; control points stay in place."""
+        """Return the offsets of the same paths from the new line; control points stay in place."""
         return vectors if self.encoding == "bezier" else self.along(before.points(vectors))
 
     def along(self, paths: Floats) -> Floats:

@@ -39,7 +39,7 @@ class GridTable(NamedTuple, Generic[Whole, Real]):
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
     width: Real  # largest extent of the map across the line, at a control point
-    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
+    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie next to
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     base: Floats  # (P, 2) control points of the zero vector
@@ -103,8 +103,8 @@ def tabulate(
         grid: the map.
         encoding: the encoding.
         penalty: lambda, fitness per blocked piece.
-        ways: (K, D) the paths that smooth bends lie beside; the straight line if there are none.
-        costs: (height, width) fitness per unit of length in each cell, beside 1; None is 0 everywhere.
+        ways: (K, D) the paths that smooth bends lie next to; the straight line if there are none.
+        costs: (height, width) fitness per unit of length in each cell, added to 1; None is 0 everywhere.
     """
     cells = _cells(grid)
     padded = np.zeros((0, 0)) if costs is None else np.pad(costs, 1)

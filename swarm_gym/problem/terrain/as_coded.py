@@ -2,7 +2,7 @@
 
 The reading is of `src/environment/problem/SOO/UAV/uav_numpy.py`; docs/readings.md lists the deviations:
 
-* the height below a waypoint is that of the nearest cell, and cylinders have no top;
+* the height below a waypoint is the height of the nearest cell, and cylinders have no top;
 * only angles above the limits count, and the change of climb at a waypoint has the limit of climbs;
 * the ground is tested at 12 points of each segment, one cell off in x and in y;
 * a flight beyond the last height but one counts as below the ground.
@@ -159,7 +159,7 @@ def _angles_across_gaps(table: TerrainTable, path: Floats) -> float:
     """Return the cost of angles of a flight in which a segment has no length, seen from above.
 
     At a waypoint, the last segment before it and the first one after it that have a length give the
-    directions; heights are those of the segments themselves.
+    directions. Heights come from the segments themselves.
     """
     n = table.num_waypoints
     steps = np.zeros((n + 1, 3))

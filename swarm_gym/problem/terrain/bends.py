@@ -19,7 +19,7 @@ NUM_NUMBERS = 1 + 2 * (1 + NUM_MODES)
 
 @kernel(borrows=True)
 def draw_flight(table: TerrainTable, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
-    """Write a smooth flight into a path, (C + 1,); arguments are those of `geometry.bends.draw_bend`.
+    """Write a smooth flight into a path, (C + 1,); arguments are as in `geometry.bends.draw_bend`.
 
     `noise` has at least `NUM_NUMBERS` numbers, which are used up.
     """

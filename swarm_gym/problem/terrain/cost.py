@@ -113,7 +113,7 @@ def turn_between(before_x: float, before_y: float, dx: float, dy: float) -> floa
 def segment_terms(
     table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
 ) -> tuple[float, float, float, float, float]:
-    """Return the terms of one segment, without those of angles and limits.
+    """Return the terms of one segment, without the terms of angles and limits.
 
     Returns:
         The length, the terms of threats, ground and band, and the metres in collision.

@@ -32,8 +32,8 @@ class TerrainProblem(Problem):
         encoding: a name in `swarm_gym.problem.terrain.table.ENCODINGS`.
         num_waypoints: n, number of waypoints between start and goal.
         cost: a name in `swarm_gym.problem.terrain.table.COSTS`.
-        ways: (K, 2 n) the flights that smooth new members lie beside, as offsets sideways and upwards from
-            the start-goal line in any encoding; None is the line.
+        ways: (K, 2 n) the flights that smooth new members lie next to. They are offsets sideways and upwards
+            from the start-goal line in any encoding; None is the line.
     """
 
     scenario: TerrainScenario
@@ -65,7 +65,7 @@ class TerrainProblem(Problem):
         if self.cost == "documented":
             return WEIGHTS[0] * self.scenario.straight_line
         level = math.hypot(*np.subtract(ends[1], ends[0]).tolist())
-        return WEIGHTS[0] * level  # heights below waypoints are those of the nearest cells
+        return WEIGHTS[0] * level  # heights below waypoints come from the nearest cells
 
     @property
     def collision_bound(self) -> float:

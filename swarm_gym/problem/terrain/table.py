@@ -5,8 +5,8 @@
 | `waypoints` | n offsets to the left of the start-goal line, then n upwards from the line's altitude |
 | `spherical` | r, psi and phi of each of n steps: length, climb and heading |
 
-Waypoints of the first stand evenly spaced along the line. Altitudes are above ground. Spherical steps are
-those of M. D. Phung, Q. P. Ha, "Safety-enhanced UAV path planning with spherical vector-based particle swarm
+Waypoints of the first stand evenly spaced along the line. Altitudes are above ground. Spherical steps come
+from M. D. Phung, Q. P. Ha, "Safety-enhanced UAV path planning with spherical vector-based particle swarm
 optimization", Applied Soft Computing 107, 2021; docs/readings.md says what is read how.
 """
 
@@ -58,7 +58,7 @@ class TerrainTable(NamedTuple, Generic[Whole, Real]):
     spacing: Real  # distance between waypoints along the line, seen from above
     forward: Floats  # (2,) unit vector along the line, seen from above
     width: Real  # largest extent of the map across the line, at a waypoint
-    middles: Floats  # (K, 2 n) offsets sideways and upwards of the flights that smooth bends lie beside
+    middles: Floats  # (K, 2 n) offsets sideways and upwards of the flights that smooth bends lie next to
     modes: Floats  # (2, NUM_MODES, n) modes of smooth bends
     ends: Floats  # (2, 3) x, y and altitude of start and goal
     extent: Floats  # (4,) of the map
@@ -118,7 +118,7 @@ def tabulate(
         encoding: a value of `ENCODINGS`.
         cost: a value of `COSTS`.
         num_waypoints: n.
-        ways: (K, 2 n) the flights that smooth bends lie beside, as offsets sideways and upwards; the
+        ways: (K, 2 n) the flights that smooth bends lie next to, as offsets sideways and upwards; the
             start-goal line if there are none.
     """
     axes = axes_of(scenario)

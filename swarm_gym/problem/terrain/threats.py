@@ -1,4 +1,4 @@
-"""Threats beside a flight: upright cylinders, and the zone of danger around each.
+"""Threats near a flight: upright cylinders, and the zone of danger around each.
 
 A cylinder counts with the size of the drone: contact is at its radius plus that size, and a flight passes
 above it from its top plus that size on.

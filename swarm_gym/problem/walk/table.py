@@ -22,7 +22,7 @@ from swarm_gym.scenarios import GridScenario
 class WalkTable(NamedTuple, Generic[Whole, Real]):
     """The problem table of walks on a map of H x W cells, F of which are free.
 
-    In a stacked table every field has a leading problem axis, and maps are those of the largest one.
+    In a stacked table every field has a leading problem axis, and maps have the size of the largest one.
     """
 
     dimension: Whole  # length of decision vectors, 2

@@ -59,7 +59,7 @@ def ladder_runtimes(ladder: Ladder, start: int = 0, copies_free: bool = True) ->
     """Return (rungs, n + 1) expected evaluations that remain, by rung and ones.
 
     They are NaN below the start, and on rungs above the last one. A run from f ones costs one evaluation
-    more, that of its first string.
+    more, for its first string.
 
     Args:
         ladder: the control.

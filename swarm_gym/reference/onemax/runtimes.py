@@ -71,7 +71,7 @@ class Choices:
 def expected_runtimes(decisions: Decisions, start: int = 0, copies_free: bool = True) -> Floats:
     """Return (n + 1,) expected evaluations that remain, by the number of ones; NaN below the start.
 
-    A run from f ones costs one evaluation more, that of its first string.
+    A run from f ones costs one evaluation more, for its first string.
 
     Args:
         decisions: decisions for each number of ones.
