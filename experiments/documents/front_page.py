@@ -237,15 +237,16 @@ def _first_of(names: Iterable[str]) -> Callable[[list[str]], bool]:
 ONE_MAX = (
     "optimum, any lambda up to 64",
     "optimum, lambda in 1, 2, 4, ..., 64",
+    "CMA-ES over the share of zeros",
     "PPO, 10 seeds",
     "DDQN, published",
     "theory",
     "one-fifth rule",
 )
 OVER_TERRAIN = (
-    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "CMA-ES, waypoints, guided",
-    "planned flight, no swarm", "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
-    "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
+    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
+    "CMA-ES, waypoints, guided", "planned flight, no swarm", "L-SHADE, waypoints, smooth",
+    "pymoo DE, waypoints", "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
 )  # fmt: skip
 FRONT_BLOCKS: Mapping[str, Block] = {
     "terrain": partial(_repeated, "terrain", "test-terrains", _first_of(OVER_TERRAIN), "terrain-all"),
