@@ -72,15 +72,16 @@ def suites_table() -> Table:
 
 
 def leaders_table() -> Table:
-    """Return the first policy of each suite, and the first of the rules and blind schedules.
+    """Return the first policy of each suite, and the first controller that is not learned.
 
     Raises:
         ScoreFileError: if a file of scores cannot be used, or lacks a controller that ships.
     """
     return Table.of(
         LEADERS_BLOCK,
-        "The first policy of each suite, and the first rule or blind schedule: objective, the mean gap in "
-        f"per cent plus {PRICE:g} for 100,000 evaluations. These are a few runs, without intervals",
+        "The first policy of each suite, and the first controller that is not learned: objective, the mean "
+        f"gap in per cent plus {PRICE:g} for 100,000 evaluations; number of runs of each controller. These "
+        "are few runs, without intervals",
         [_leaders(name) for name in SCORED],
     )
 
@@ -93,11 +94,12 @@ def _leaders(suite: str) -> Row:
     other = next(name for name in ranked if name in references)
     return {
         "suite": suite,
+        "runs": number(sum(len(row.fitness_of_runs) for row in by_entrant[first]), "d"),
         "first policy": label(first),
         "mean gap": share(_mean(by_entrant[first], "gap"), ".2f"),
         "evaluations": number(_mean(by_entrant[first], "evaluations"), ",.0f"),
         "objective": number(objective(by_entrant[first]), ".3f"),
-        "first rule or schedule": label(other),
+        "first that is not learned": label(other),
         "its objective": number(objective(by_entrant[other]), ".3f"),
     }
 

@@ -41,9 +41,9 @@ TARGETS = np.logspace(2.0, LEAST_PRECISION, 51)  # those of COCO
 def group_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of the mean logarithm of the precision, with a column for each group of functions."""
     caption = (
-        f"Mean decimal logarithm of the precision [95 % interval over instances], {DIMENSION} dimensions, "
-        f"{BUDGET:,} evaluations, by group of BBOB functions: -1 is a distance of 0.1 to the least value. "
-        "Lower is closer"
+        "Mean decimal logarithm of the precision [95 % interval over instances; functions are given], "
+        f"{DIMENSION} dimensions, {BUDGET:,} evaluations, by group of BBOB functions: -1 is a distance of "
+        "0.1 to the least value. Lower is closer"
     )
     rows = [
         {

@@ -30,9 +30,9 @@ RIVALS: Mapping[str, tuple[str, ...]] = {
 }
 CAPTION = (
     "Objective: mean gap in per cent of the optimum plus evaluations / 100,000, over {seeds} test seeds of "
-    "each case and all training seeds [95 % interval]. By case: mean gap in per cent at mean evaluations. "
-    "Minus: difference of the objectives to SPSFA-TIP, to a schedule tuned for these cases, and to the "
-    "controller that a residual policy corrects"
+    "each case and all training seeds, {trained} of each recipe [95 % interval]. By case: mean gap in per "
+    "cent at mean evaluations. Minus: difference of the objectives to SPSFA-TIP, to a schedule tuned for "
+    "these cases, and to the controller that a residual policy corrects"
 )
 
 
@@ -112,7 +112,9 @@ def reached(samples: Mapping[str, Sample], beside: Mapping[str, Sample], steps: 
             "minus its base": MISSING if base is None else sample.minus(beside[rows_of_bases[base]]),
         }
         rows.append((float(sample.objective.mean()), row))
-    caption = f"After {steps:,} environment steps. " + CAPTION.format(seeds=len(TEST_SEEDS))
+    trained = " or ".join(map(str, sorted({len(sample.gaps) for sample in samples.values()})))
+    words = CAPTION.format(seeds=len(TEST_SEEDS), trained=trained)
+    caption = f"After {steps:,} environment steps. {words}"
     ordered = [row for _, row in sorted(rows, key=lambda pair: pair[0])]
     return Table.of(f"reached-{steps}", caption, ordered)
 

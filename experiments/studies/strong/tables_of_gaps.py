@@ -55,7 +55,8 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
         f"{' or '.join(map(str, runs))} runs on each function. Functions on which the mean gap is level with "
         "or ahead of the best of the 20 published methods, where gaps below 1e-8 are level; average rank "
         "among these methods and all rows; mean log10 of the gap, at least 1e-8, at the end and over all "
-        "evaluations, with 95 % intervals over runs and training seeds. Lower is better, but for functions"
+        "evaluations (anytime), with 95 % intervals over runs and training seeds. Of functions, a high count "
+        "is good; in the other columns, a low number"
     )
     return Table.of("in-short", caption, rows)
 
