@@ -46,9 +46,8 @@ ROWS: dict[str, tuple[str, ...]] = {
 CONTROLLERS = tuple(name for controllers in ROWS.values() for name in controllers)
 # What README.md shows of these rows, in this order.
 LADDER = (
-    "fireflies, learned with sources", "fireflies, learned size and phi",
-    "CMA-ES, lambda 80, uniform first members", "L-SHADE, 120 members, smooth first members",
-    "fireflies, SPSFA-TIP",
+    "fireflies, learned with sources", "L-SHADE, 120 members, smooth first members",
+    "fireflies, learned size and phi", "CMA-ES, lambda 80, smooth first members", "fireflies, SPSFA-TIP",
 )  # fmt: skip
 
 CASES_AT_BUDGETS = Suite(

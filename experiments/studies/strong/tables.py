@@ -25,8 +25,8 @@ def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     caption = (
         f"Mean gap in per cent of the optimum over the three cases, {suite.num_seeds} test seeds each, after "
         "so many evaluations [95 % interval over training seeds, cases and seeds]; collision counts as "
-        "length. A run that ends earlier keeps its last gap. Free at the end: share of the runs whose best "
-        "path is free before the final repair"
+        "length. A run that ends earlier keeps its last gap. Free: share whose best path is free "
+        "before repair"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
     return [Table.of("cases-at-budgets", caption, rows)]
