@@ -93,7 +93,11 @@ def test_stable_baselines3_checker_passes(action, name):
     assert_checked(check_env_for_sb3, name, action, "extended")
 
 
-@pytest.mark.parametrize("scenario", sample_names())
+# Fireflies on functions of BBOB need kernels that no other test compiles.
+@pytest.mark.parametrize(
+    "scenario",
+    [pytest.param(name, marks=pytest.mark.slow if ":bbob-" in name else ()) for name in sample_names()],
+)
 def test_an_episode_has_g_max_steps_and_ends_terminated(scenario):
     length = max(5, *(world.iteration + 1 for world in worlds_of(make_scenario(scenario))))
     env = small(scenario=scenario, iterations=length)

@@ -433,8 +433,9 @@ def scenarios_of(options):
 
 
 @all_optimizers
-def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
-    for options in on_maps(optimizer)[:2]:
+@pytest.mark.parametrize("place", [0, pytest.param(1, marks=pytest.mark.slow)], ids=["first-map", "cells"])
+def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, place, numba_threads):
+    for options in on_maps(optimizer)[place : place + 1]:
         mixed = {**options, "scenario": scenarios_of(options)}
         decisions = [actions(SEED + row, ITERATIONS, optimizer) for row in range(4)]
         alone = [

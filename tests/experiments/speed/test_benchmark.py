@@ -206,7 +206,12 @@ def test_processes_run_side_by_side_and_end():
     assert set(multiprocessing.active_children()) <= before
 
 
-@pytest.mark.parametrize("axis", growth.AXES, ids=lambda axis: axis.name)
+# Tables of pairs of many waypoints and obstacles take half a minute to make.
+@pytest.mark.parametrize(
+    "axis",
+    [pytest.param(axis, marks=pytest.mark.slow if axis.name == "waypoints" else ()) for axis in growth.AXES],
+    ids=lambda axis: axis.name,
+)
 def test_every_value_of_an_axis_is_an_environment(axis):
     for value in axis.values:
         SwarmVectorEnv(**axis.options(value))

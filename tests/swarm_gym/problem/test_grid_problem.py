@@ -153,7 +153,7 @@ def test_pictures_show_the_path_from_start_to_target(encoding, num_points, geome
         assert lengths == pytest.approx(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum(), rel=0.01)
 
 
-@pytest.mark.parametrize("number", [100, 1000])
+@pytest.mark.parametrize("number", [100, pytest.param(1000, marks=pytest.mark.slow)])
 def test_curves_of_many_control_points_are_curves(number):
     scenario = random_grid_scenario(0)
     problem = GridProblem(scenario, "bezier", number)
