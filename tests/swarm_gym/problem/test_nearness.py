@@ -98,7 +98,7 @@ def test_a_swarm_with_the_weight_keeps_more_distance():
             iterations=30,
         )
         found = []
-        for seed in range(2):
+        for seed in range(4):
             env.reset(seed=seed)
             for _ in range(30):
                 env.step(np.array([40.0, 0.0]))
