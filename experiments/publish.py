@@ -18,7 +18,7 @@ from experiments import catalogue
 from experiments.documents.front_page import FRONT_BLOCKS, RUNS_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
-from experiments.documents.study_documents import AT_BUDGETS, STUDY_DOCUMENTS
+from experiments.documents.study_documents import AT_BUDGETS, CASES_TABLE, STUDY_DOCUMENTS
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import CURVE_TABLES, SHORT_TABLES
 from experiments.runs.database import ResultsError
@@ -34,9 +34,9 @@ from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, OF_PEERS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
-from experiments.tables.block_contents import rows_of
+from experiments.tables.block_contents import rows_of, shortened
 from experiments.tables.document import Block, Document, ResultsFolder
-from experiments.tables.reshape import pick, select
+from experiments.tables.reshape import select
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
@@ -96,16 +96,6 @@ def _headline(results: ResultsFolder) -> str:
     return select(replace(chosen, caption=CAPTION, rows=rows), SHOWN).markdown()
 
 
-def _ladder(results: ResultsFolder) -> str:
-    """Return the rows of README.md from the table of the cases at equal evaluations.
-
-    Raises:
-        ValueError: if the table lacks one of the rows.
-    """
-    table = results.table(f"{AT_BUDGETS}/cases-at-budgets")
-    return pick(table, (table.columns[0],), [(name,) for name in LADDER]).markdown()
-
-
 # Each group of measurements stands on one page: moves, other libraries, and all others.
 MOVES_BLOCKS: Mapping[str, Block] = {"moves": partial(_measurements, "moves")}
 LIBRARIES_BLOCKS: Mapping[str, Block] = {name: partial(_measurements, name) for name in OF_PEERS}
@@ -118,7 +108,7 @@ PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     },
 }
 README_BLOCKS: Mapping[str, Block] = {
-    "ladder": _ladder,
+    "ladder": partial(shortened, CASES_TABLE, LADDER),
     "results": _headline,
     "speed": _speed_in_short,
 }

@@ -20,6 +20,7 @@ from experiments.documents.made_with import (
     span,
 )
 from experiments.documents.marked_blocks import block_names, content_of
+from experiments.studies.terrain.tables_of_costs import IN_SHORT
 from experiments.tables.cell import verdict
 from experiments.tables.document import Block, ResultsFolder
 from experiments.tables.table import Row, Table, list_item
@@ -243,13 +244,8 @@ ONE_MAX = (
     "theory",
     "one-fifth rule",
 )
-OVER_TERRAIN = (
-    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
-    "CMA-ES, waypoints, guided", "planned flight, no swarm", "L-SHADE, waypoints, smooth",
-    "pymoo DE, waypoints", "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
-)  # fmt: skip
 FRONT_BLOCKS: Mapping[str, Block] = {
-    "terrain": partial(_repeated, "terrain", "test-terrains", _first_of(OVER_TERRAIN), "terrain-all"),
+    "terrain": partial(_repeated, "terrain", "test-terrains", _first_of(IN_SHORT), "terrain-all"),
     "studies": _studies,
     **{name: partial(_findings, *chosen) for name, chosen in FINDINGS.items()},
     "papers": _papers,

@@ -6,14 +6,15 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from experiments.plots.style import BLACK, BLUE, GREY, ORANGE, legend_below, new_figure
-from experiments.tables.cell import MISSING, Entry
+from experiments.plots.style import BLACK, BLUE, GREY, ORANGE, error_bars, legend_below, new_figure
+from experiments.tables.cell import MISSING, printed_interval
 from experiments.tables.table import Table
 
 WIDTH, ROW_HEIGHT, OTHER_HEIGHT = 5.6, 0.2, 0.9  # in inches
 MARKS = ((BLUE, "o"), (ORANGE, "s"), (BLACK, "^"))
 SPACE = 0.36  # between the first and the last mark of a row, in rows
 _CELL = re.compile(r"([+-]?[\d.]+) \[([+-]?[\d.]+), ([+-]?[\d.]+)\]")
+_EXPECTED = "a value with its interval, as in '0.35 [0.31, 0.40]'"
 
 
 def draw_intervals(
@@ -48,14 +49,11 @@ def draw_intervals(
         axes.axvline(level, color=GREY, linewidth=1.0, zorder=1)
     for k, (place, label, (colour, marker)) in enumerate(zip(drawn, values.values(), MARKS, strict=False)):
         shift = SPACE * (k / (len(values) - 1) - 0.5) if len(values) > 1 else 0.0
-        numbers = [(row + shift, *_numbers(cells[place])) for row, cells in enumerate(shown)]
-        rows, middles, lows, highs = zip(*numbers, strict=True)
-        below = [middle - low for middle, low in zip(middles, lows, strict=True)]
-        above = [high - middle for middle, high in zip(middles, highs, strict=True)]
+        rows = [row + shift for row in range(len(shown))]
+        middles, reach = error_bars([printed_interval(row[place], _CELL, _EXPECTED) for row in shown])
         axes.errorbar(
-            middles, rows, xerr=(below, above), color=colour, linestyle="none", marker=marker, label=label,
-            zorder=2,
-        )  # fmt: skip
+            middles, rows, xerr=reach, color=colour, linestyle="none", marker=marker, label=label, zorder=2
+        )
     axes.set_yticks(range(len(shown)), labels)
     axes.set(xscale=scale, xlabel=axis, ylim=(len(shown) - 0.5, -0.5))
     if scale == "log":
@@ -64,14 +62,3 @@ def draw_intervals(
     if len(values) > 1:
         legend_below(figure)
     return figure
-
-
-def _numbers(entry: Entry) -> tuple[float, float, float]:
-    """Return value, low and high of a cell."""
-    found = _CELL.fullmatch(str(entry))
-    if found is None:
-        raise ValueError(
-            f"cell {str(entry)!r}: expected a value with its interval, as in '0.35 [0.31, 0.40]'"
-        )
-    value, low, high = map(float, found.groups())
-    return value, low, high

@@ -1,6 +1,6 @@
 """The style of figures: one colour, line and marker per controller, and settings of Matplotlib."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
@@ -168,3 +168,13 @@ def legend_below(figure: Figure) -> None:
         width = CHARACTER * (max(map(len, handles)) + HANDLE_CHARACTERS)
         columns = max(1, min(len(handles), int(figure.get_figwidth() / width)))
         figure.legend(handles.values(), handles, loc="outside lower center", ncols=columns)
+
+
+def error_bars(
+    intervals: Sequence[tuple[float, float, float]],
+) -> tuple[tuple[float, ...], tuple[list[float], list[float]]]:
+    """Return the values of intervals (value, low, high), and how far these reach below and above them."""
+    values, lows, highs = zip(*intervals, strict=True)
+    below = [value - low for value, low in zip(values, lows, strict=True)]
+    above = [high - value for value, high in zip(values, highs, strict=True)]
+    return values, (below, above)

@@ -5,6 +5,7 @@ LaTeX and HTML print the template; CSV and JSON write the numbers. A cell that h
 """
 
 import math
+import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -146,3 +147,21 @@ def plain_text(entry: Entry) -> str:
 def _plain(value: Any) -> float:
     plain = value.item() if isinstance(value, np.generic) else value
     return int(plain) if isinstance(plain, bool) else plain
+
+
+def printed_interval(entry: Entry, form: re.Pattern[str], expected: str) -> tuple[float, float, float]:
+    """Return value, low and high of a cell as it is printed.
+
+    Args:
+        entry: the cell.
+        form: pattern of the whole cell, with a group for each of the three numbers.
+        expected: words for the form, such as "a share with its interval", for the message.
+
+    Raises:
+        ValueError: if the cell does not have the form.
+    """
+    found = form.fullmatch(str(entry))
+    if found is None:
+        raise ValueError(f"cell {str(entry)!r}: expected {expected}")
+    value, low, high = map(float, found.groups())
+    return value, low, high

@@ -4,14 +4,15 @@ import re
 
 from matplotlib.figure import Figure
 
-from experiments.plots.style import KNOWN_STYLES, legend_below, new_figure, styles
+from experiments.plots.style import KNOWN_STYLES, error_bars, legend_below, new_figure, styles
 from experiments.studies.strong.suites import LADDER, SHOWN
-from experiments.tables.cell import Entry
+from experiments.tables.cell import printed_interval
 from experiments.tables.table import Table
 
 WIDTH, HEIGHT = 5.6, 4.2  # in inches
 RULES = "fireflies, SPSFA-TIP"  # has the style that it has in other figures
 _CELL = re.compile(r"([\d.]+) % \[([\d.]+), ([\d.]+)\]")
+_EXPECTED = "a share with its interval, as in '3.91 % [3.15, 4.86]'"
 
 
 def draw_cases_at_budgets(table: Table) -> Figure:
@@ -31,24 +32,13 @@ def draw_cases_at_budgets(table: Table) -> Figure:
     figure = new_figure(WIDTH, HEIGHT)
     axes = figure.subplots()
     for name, style in {**styles(LADDER), RULES: KNOWN_STYLES["spsfa-tip"]}.items():
-        values, lows, highs = zip(*(_numbers(rows[name][place]) for place in places), strict=True)
-        below = [value - low for value, low in zip(values, lows, strict=True)]
-        above = [high - value for value, high in zip(values, highs, strict=True)]
-        axes.errorbar(SHOWN, values, yerr=(below, above), capsize=2, label=name, **style.options())
+        values, reach = error_bars(
+            [printed_interval(rows[name][place], _CELL, _EXPECTED) for place in places]
+        )
+        axes.errorbar(SHOWN, values, yerr=reach, capsize=2, label=name, **style.options())
     axes.set(xscale="log", yscale="log", xlabel="evaluations", ylabel="mean gap, % of the optimum")
     axes.set_xticks(SHOWN, [f"{budget:,}" for budget in SHOWN])
     axes.minorticks_off()
     axes.yaxis.set_major_formatter("{x:g}")
     legend_below(figure)
     return figure
-
-
-def _numbers(entry: Entry) -> tuple[float, float, float]:
-    """Return value, low and high of a cell."""
-    found = _CELL.fullmatch(str(entry))
-    if found is None:
-        raise ValueError(
-            f"cell {str(entry)!r}: expected a share with its interval, as in '3.91 % [3.15, 4.86]'"
-        )
-    value, low, high = map(float, found.groups())
-    return value, low, high

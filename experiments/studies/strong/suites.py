@@ -44,7 +44,7 @@ ROWS: dict[str, tuple[str, ...]] = {
     "fireflies, learned with sources": training_seeds("firefly+learned:three-cases-sourced", TRAINING_SEEDS),
 }
 CONTROLLERS = tuple(name for controllers in ROWS.values() for name in controllers)
-# What README.md shows of these rows, in this order.
+# What README.md shows of these rows; the figure has them in this order.
 LADDER = (
     "fireflies, learned with sources", "L-SHADE, 120 members, smooth first members",
     "fireflies, learned size and phi", "CMA-ES, lambda 80, smooth first members", "fireflies, SPSFA-TIP",
