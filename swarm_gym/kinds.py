@@ -13,7 +13,7 @@ from swarm_gym.problem import (
     WalkProblem,
     problem_of_function,
 )
-from swarm_gym.problem.grid.problem import MAX_POINTS
+from swarm_gym.problem.grid.problem import MAX_POINTS, WISH_WEIGHTS
 from swarm_gym.scenarios import (
     BbobScenario,
     FunctionScenario,
@@ -55,6 +55,14 @@ class ProblemOptions(Protocol):
         """Weight of the cost of nearness to blocked cells."""
 
     @property
+    def ground_weight(self) -> float:
+        """Weight of the costs of ground."""
+
+    @property
+    def curvature_weight(self) -> float:
+        """Weight of the squared curvature, in map units squared."""
+
+    @property
     def cell_size(self) -> float:
         """Side of the cells that analytic maps are converted to."""
 
@@ -92,7 +100,8 @@ def _grid_problem(scenario: GridScenario, settings: ProblemOptions) -> Problem:
     option = {"waypoints": "num_waypoints", "bezier": "num_control_points"}[settings.encoding]
     num_points = getattr(settings, option)
     require_integer(option, num_points, 1, MAX_POINTS)
-    return GridProblem(scenario, settings.encoding, num_points, settings.penalty, settings.distance_weight)
+    weights = {name: getattr(settings, name) for name in WISH_WEIGHTS}
+    return GridProblem(scenario, settings.encoding, num_points, settings.penalty, **weights)
 
 
 class Kind(NamedTuple):
@@ -113,7 +122,7 @@ class Kind(NamedTuple):
     defaults: tuple[tuple[str, object], ...] = ()
 
 
-_OF_PATHS_OVER_CELLS = ("penalty", "distance_weight", "clearance", "final_repair")
+_OF_PATHS_OVER_CELLS = ("penalty", *WISH_WEIGHTS, "clearance", "final_repair")
 KINDS: dict[type, Kind] = {
     Scenario: Kind(
         "analytic maps",

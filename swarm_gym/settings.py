@@ -37,6 +37,10 @@ class Settings:
             maps if it is blocked, or each cell's length of the blocked part of a walk.
         distance_weight: weight, from 0 on, of the cost of nearness to blocked cells along a path; on grid
             maps only, for waypoints and Bezier curves, see `swarm_gym.problem.grid.nearness`.
+        ground_weight: weight, from 0 on, of the costs of ground along a path; likewise, on scenarios that
+            have such costs, see `swarm_gym.scenarios.graded_map`.
+        curvature_weight: weight, from 0 on, in map units squared, of the integral of the squared curvature of
+            a path; likewise, see `swarm_gym.problem.grid.cost`.
         cell_size: side of the cells that analytic maps are converted to for walks.
         cost: cost of flights over terrain: "documented", measured exactly, or "metabox", as published code
             computes it, see `swarm_gym.problem.terrain.cost`.
@@ -82,6 +86,8 @@ class Settings:
     length_weight: float = 0.3
     penalty: float = 500.0
     distance_weight: float = 0.0
+    ground_weight: float = 0.0
+    curvature_weight: float = 0.0
     cell_size: float = 2.0
     cost: str = "documented"
     clearance: float = 0.0

@@ -11,6 +11,7 @@ from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of
+from swarm_gym.problem.grid.problem import WISH_WEIGHTS
 from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import make_problem
@@ -28,7 +29,7 @@ NEVER_STATED = (
     # These change nothing that a run stores.
     "final_repair", "made_for",
     # These are part of the problems of the scenarios.
-    "encoding", "num_control_points", "penalty", "distance_weight", "cost",
+    "encoding", "num_control_points", "penalty", *WISH_WEIGHTS, "cost",
 )  # fmt: skip
 
 

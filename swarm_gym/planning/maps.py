@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.feature_map import read_feature_map
@@ -28,8 +27,6 @@ from swarm_gym.scenarios.formats.moving_ai import read_graded_map, read_map
 from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
 from swarm_gym.scenarios.graded_map import GradedMap, Grading
 
-Floats = NDArray[np.float64]
-
 READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
 GRADED_READERS = {
     ".yaml": read_graded_ros_map,
@@ -46,12 +43,10 @@ class ReadMap(NamedTuple):
     Attributes:
         scenario: the map as it is.
         projection: projection that it comes from; None for coordinates in a plane.
-        costs: cost of ground of each cell of a graded map, (height, width); None for another map.
     """
 
     scenario: MapScenario
     projection: Projection | None = None
-    costs: Floats | None = None
 
 
 def read_any_map(
@@ -80,7 +75,6 @@ def read_any_map(
         SettingError: for a workspace or coordinates that the map cannot have.
     """
     scenario: MapScenario
-    costs: Floats | None = None
     if not isinstance(where, GridMap | GradedMap) and _is_file(where):
         if start is None or goal is None:
             raise ScenarioError(f"map {str(where)!r}: a file needs a start and a goal, (x, y) in map units")
@@ -90,11 +84,11 @@ def read_any_map(
             return ReadMap(*read_feature_map(path, start, goal, margin, workspace, coordinates))
         where, grading = read_cells(where, grading), Grading()
     if isinstance(where, GridMap | GradedMap):
-        grid, costs = (where, None) if isinstance(where, GridMap) else (where.grid, where.costs)
+        grid, ground = (where, None) if isinstance(where, GridMap) else (where.grid, where)
         if start is None or goal is None:
             raise ScenarioError(f"map {shown(grid.name)}: expected a start and a goal, (x, y) in map units")
         _refuse_grading(grading, grid.name)
-        scenario = GridScenario(grid.name, grid, start, goal)
+        scenario = GridScenario(grid.name, grid, start, goal, ground)
     else:
         scenario = _of_name(where, start, goal)
         _refuse_grading(grading, scenario.name)
@@ -102,7 +96,7 @@ def read_any_map(
         raise SettingError(
             f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}"
         )
-    return ReadMap(_within(scenario, workspace, margin), None, costs)
+    return ReadMap(_within(scenario, workspace, margin))
 
 
 def read_cells(where: AnyMap, grading: Grading) -> AnyMap:

@@ -37,7 +37,6 @@ class Task:
         goal: goal in the user's coordinates.
         projection: projection from the user's longitudes and latitudes to map units, which are metres then;
             None if the user's coordinates are map units.
-        costs: cost of ground of each cell of the map as it is, (height, width); None if it has none.
     """
 
     given: MapScenario
@@ -47,7 +46,12 @@ class Task:
     start: Point
     goal: Point
     projection: Projection | None
-    costs: Floats | None = None
+
+    @property
+    def costs(self) -> Floats | None:
+        """Cost of ground of each cell of the map as it is, (height, width); None if it has none."""
+        ground = self.given.ground if isinstance(self.given, GridScenario) else None
+        return None if ground is None else ground.costs
 
     @cached_property
     def grown(self) -> MapScenario:
@@ -143,7 +147,7 @@ def read_task(
         ends = start, goal
     if isinstance(given, GridScenario):
         require_room(given, margin)
-        return Task(given, margin, Frame(), given, *ends, projection, read.costs)
+        return Task(given, margin, Frame(), given, *ends, projection)
     frame = Frame.of(given)
     try:
         task = Task(given, margin, frame, frame.moved(given), *ends, projection)

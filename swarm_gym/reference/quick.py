@@ -25,7 +25,7 @@ def quick_optima(problems: Sequence[Problem]) -> list[float]:
 
 def _work(problem: Problem) -> float:
     """Return the work of computing an optimum, as a share of what is quick."""
-    if isinstance(problem, GridProblem) and problem.distance_weight > 0.0:
+    if isinstance(problem, GridProblem) and problem.wishes:
         return math.inf  # the shortest path is no optimum there
     if isinstance(problem.scenario, GridScenario):
         return problem.scenario.map.blocked.size / CELLS

@@ -128,7 +128,7 @@ def ensure_optima(
         progress: is called with the number of problems done and the number of all.
 
     Raises:
-        SettingError: if the number of threads is not positive, or if nearness to obstacles has a weight.
+        SettingError: if the number of threads is not positive, or if wishes besides the length have weights.
     """
     require_integer("num_threads", num_threads, 1)
     with ThreadPoolExecutor(num_threads) as pool:
@@ -142,9 +142,10 @@ def ensure_optima(
 
 def compute_optimum(problem: Problem) -> float:
     """Return the least fitness of a problem on a map, in map units; see `ensure_optima`."""
-    if isinstance(problem, GridProblem) and problem.distance_weight > 0.0:
+    if isinstance(problem, GridProblem) and problem.wishes:
+        weights = ", ".join(f"{name} {weight:g}" for name, weight in problem.wishes.items())
         raise SettingError(
-            f"distance_weight {problem.distance_weight:g}: the least fitness on map "
+            f"{weights}: the least fitness on map "
             f"{shown(problem.scenario.name)} is unknown, and no method here computes it; choose a reward or "
             "measure without optima, such as progress"
         )

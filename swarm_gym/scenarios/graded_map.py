@@ -9,9 +9,11 @@ ground, with the weight w of the wish `ground`. Two scales of values are read:
 | `costmap`, of Nav2's cost maps | 0 | 1 to 252, v / 252 | from `lethal`, 253 (inscribed) by default | 255 |
 """
 
+import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -113,6 +115,22 @@ class GradedMap:
             raise ScenarioError(f"{where}: costs must be finite and at least 0, got {costs[bad][0]}")
         costs.setflags(write=False)
         object.__setattr__(self, "costs", costs)
+
+    def __eq__(self, other: object) -> bool:
+        return self.digest == other.digest if isinstance(other, GradedMap) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of cells, geometry and costs, without the name, as 64 hexadecimal digits."""
+        return hashlib.sha256(self.grid.digest.encode() + self.costs.tobytes()).hexdigest()
+
+    def on(self, grid: GridMap) -> "GradedMap":
+        """Return the same ground on a map whose cells are these, or parts of these, in the same place."""
+        parts = grid.height // self.grid.height
+        return GradedMap(grid, np.repeat(np.repeat(self.costs, parts, axis=0), parts, axis=1))
 
     @classmethod
     def of_values(

@@ -1,12 +1,13 @@
 """A path-planning task on an occupancy grid; checked when it is made."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from swarm_gym.errors import NoPathError, ScenarioError, shown
+from swarm_gym.scenarios.graded_map import GradedMap
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.obstacles import Point, require_point
 
@@ -23,6 +24,7 @@ class GridScenario:
         map: the grid.
         start: (x, y) where the robot is, in a free cell.
         target: (x, y) where it has to go, in a free cell; there is a path that does not cut corners.
+        ground: the map with its costs of ground; None if it has none.
 
     Raises:
         ScenarioError: if the task is malformed; the message names the map, the point and its cell.
@@ -32,10 +34,17 @@ class GridScenario:
     map: GridMap
     start: Point
     target: Point
+    ground: GradedMap | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.map, GridMap):
             raise ScenarioError(f"scenario {shown(self.name)}: map must be a GridMap, got {self.map!r}")
+        if self.ground is not None and (
+            not isinstance(self.ground, GradedMap) or self.ground.grid != self.map
+        ):
+            raise ScenarioError(
+                f"{self._where()}: ground must be a GradedMap of this map, got {shown(self.ground)}"
+            )
         cells = {role: self._check(role) for role in ("start", "target")}
         if self.start == self.target:
             raise ScenarioError(
@@ -48,6 +57,18 @@ class GridScenario:
                 f"{self._where()}: no path leads from start {self.start} in cell {cells['start']} to target "
                 f"{self.target} in cell {cells['target']}"
             )
+
+    def on(self, grid: GridMap) -> "GridScenario":
+        """Return the task on another map of the place; costs of ground stay where they are.
+
+        Args:
+            grid: the map; its cells are those of this one, or parts of them.
+
+        Raises:
+            ScenarioError: if an end is not free there.
+            NoPathError: if blocked cells separate the ends.
+        """
+        return replace(self, map=grid, ground=self.ground and self.ground.on(grid))
 
     @property
     def y_up(self) -> bool:

@@ -6,7 +6,6 @@ a row of small cells fits through. The rounding to cells closes passages that ar
 """
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -69,7 +68,7 @@ def grown_on_cells(
     if way is not None:
         _open_along(opened, small, way)
     name = f"{grid.name} grown by {margin:g}"
-    return replace(scenario, map=GridMap(name, opened, side, (x, y), grid.y_up))
+    return scenario.on(GridMap(name, opened, side, (x, y), grid.y_up))
 
 
 def require_room(scenario: GridScenario, margin: float) -> None:

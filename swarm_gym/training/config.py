@@ -16,6 +16,7 @@ import tyro
 
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.size_limits import SizeLimits
+from swarm_gym.problem.grid.problem import WISH_WEIGHTS
 from swarm_gym.training.algorithms import (
     ALGORITHMS,
     EVERY_OPTION,
@@ -34,6 +35,8 @@ class EnvOptions(TypedDict, total=False):
 
     encoding: str
     distance_weight: float
+    ground_weight: float
+    curvature_weight: float
     cost: str
     source: str
     iterations: int
@@ -70,6 +73,10 @@ class TrainConfig:
     """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
     distance_weight: float = 0.0
     """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
+    ground_weight: float = 0.0
+    """Weight of the costs of ground along a path, on grid maps that have such costs."""
+    curvature_weight: float = 0.0
+    """Weight of the squared curvature of a path, in map units squared, on grid maps."""
     cost: str = "documented"
     """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"
@@ -176,7 +183,7 @@ def changed_options(config: object) -> EnvOptions:
 
     Defaults are left out, since each of these options exists on some kinds of scenarios only.
     """
-    names = [name for name in ("encoding", "distance_weight", "cost", "source") if hasattr(config, name)]
+    names = [name for name in ("encoding", *WISH_WEIGHTS, "cost", "source") if hasattr(config, name)]
     given = {name: getattr(config, name) for name in names}
     return cast(EnvOptions, {n: value for n, value in given.items() if value != getattr(TrainConfig, n)})
 

@@ -16,6 +16,7 @@ import tyro
 from swarm_gym.command import command
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.problem.grid.problem import WISH_WEIGHTS
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.training.presets import load_preset
 from swarm_gym.tuning.config import TuneConfig
@@ -28,7 +29,7 @@ FROM_PRESET = (
     "total_steps",
     "optimizer",
     "scenarios",
-    "distance_weight",
+    *WISH_WEIGHTS,
     "cost",
     "source",
     "min_population_size",

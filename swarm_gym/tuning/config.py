@@ -34,6 +34,10 @@ class TuneConfig:
     """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
     distance_weight: float = 0.0
     """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
+    ground_weight: float = 0.0
+    """Weight of the costs of ground along a path, on grid maps that have such costs."""
+    curvature_weight: float = 0.0
+    """Weight of the squared curvature of a path, in map units squared, on grid maps."""
     cost: str = "documented"
     """Cost of flights over terrain: documented, or metabox for the published one."""
     source: str = "uniform"

@@ -5,8 +5,13 @@ outside the map. Here it is the share of the length that lies there, measured ex
 pieces between samples: the same number where samples are many and even, and 0 for free paths only. The
 degree of collision is the blocked length itself, in map units, so that thresholds on E(P) keep a meaning.
 
-Where distance from obstacles has a weight, the integral of the cost of nearness along the path, times the
-weight, is added, see `swarm_gym.problem.grid.nearness`.
+Where distance from obstacles or costs of ground have weights, the integral of their sum along the path is
+added, see `swarm_gym.problem.grid.nearness`.
+
+Where curvature has a weight w, w times the integral of the squared curvature is added. For a polyline it is
+the sum of |t - t'|^2 / l over its bends. There t and t' are the unit vectors of the pieces that meet, and l
+is the mean of their lengths. On fine polylines of smooth curves that tends to the integral. A bend that turns
+back entirely costs 4 w / l.
 """
 
 import math
@@ -44,8 +49,8 @@ def evaluate(table: GridTable, path: Floats) -> tuple[float, float]:
     if in_doubt:
         blocked = _exactly(table, path)
     share = min(blocked / length, 1.0)
-    if table.row_costs.shape[0] > 0:
-        length += _nearness(table, path)
+    if table.row_costs.shape[0] > 0 or table.curvature_weight > 0.0:
+        length += _wishes(table, path)
     return length * table.resolution + table.penalty * table.num_pieces * share, blocked * table.resolution
 
 
@@ -132,9 +137,32 @@ def _exactly(table: GridTable, path: Floats) -> float:
 
 
 @kernel
-def _nearness(table: GridTable, path: Floats) -> float:
-    """Return the weighted cost of nearness along a path, in cells."""
-    return integral(table, _points(table, path))
+def _wishes(table: GridTable, path: Floats) -> float:
+    """Return what the costs of cells and the curvature of a path add to its length, in cells."""
+    points, found = _points(table, path), 0.0
+    if table.row_costs.shape[0] > 0:
+        found += integral(table, points)
+    if table.curvature_weight > 0.0:
+        found += table.curvature_weight * _bending(points)
+    return found
+
+
+@kernel(borrows=True)
+def _bending(points: Floats) -> float:
+    """Return the integral of the squared curvature along a polyline, (k, 2) cells, in 1 / cell.
+
+    Points in the same place count once.
+    """
+    found, before, x, y = 0.0, 0.0, 0.0, 0.0
+    for k in range(points.shape[0] - 1):
+        dx, dy = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+        length = math.sqrt(dx * dx + dy * dy)
+        if length > 0.0:
+            dx, dy = dx / length, dy / length
+            if before > 0.0:
+                found += 2.0 * ((dx - x) * (dx - x) + (dy - y) * (dy - y)) / (before + length)
+            before, x, y = length, dx, dy
+    return found
 
 
 @kernel

@@ -45,7 +45,7 @@ def nearness(grid: GridMap, margin: float) -> Floats:
 
 @kernel(borrows=True)
 def integral(table: GridTable, points: Floats) -> float:
-    """Return the integral of the weighted cost of nearness along a polyline, (k, 2), both in cells."""
+    """Return the integral of the weighted costs of cells along a polyline, (k, 2), both in cells."""
     found = 0.0
     for k in range(points.shape[0] - 1):
         x, y = points[k, 0], points[k, 1]

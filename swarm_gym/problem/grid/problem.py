@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import look_up, require_integer, require_number
-from swarm_gym.errors import shown
+from swarm_gym.errors import SettingError, shown
 from swarm_gym.problem.geometry.curves import nearest_curves
 from swarm_gym.problem.geometry.rotated_axes import resampled
 from swarm_gym.problem.grid import encoding
@@ -30,6 +30,9 @@ Floats = NDArray[np.float64]
 # Most control points or waypoints: binomial coefficients of more do not fit into double precision.
 MAX_POINTS = 1000
 
+# Weights of what a path shall keep low besides its length.
+WISH_WEIGHTS = ("distance_weight", "ground_weight", "curvature_weight")
+
 # Encodings by name.
 ENCODINGS = {"bezier": encoding.bezier, "waypoints": encoding.waypoints}
 
@@ -44,6 +47,8 @@ class GridProblem(GridMapProblem):
         num_points: free control points of a Bezier curve, or waypoints.
         penalty: lambda, the fitness that each of `table.num_pieces` equal parts of a path costs if blocked.
         distance_weight: weight of the cost of nearness to blocked cells, see `nearness`.
+        ground_weight: weight of the costs of ground, which the scenario needs for it.
+        curvature_weight: weight, in map units squared, of the squared curvature, see `cost`.
         ways: (K, D) the paths that smooth new members lie next to; None is the straight line.
     """
 
@@ -52,13 +57,21 @@ class GridProblem(GridMapProblem):
     num_points: int = 4
     penalty: float = 500.0
     distance_weight: float = 0.0
+    ground_weight: float = 0.0
+    curvature_weight: float = 0.0
     ways: Floats | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
         require_integer("num_points", self.num_points, 1, MAX_POINTS)
         require_number("penalty", self.penalty, 0.0, 1e9)
-        require_number("distance_weight", self.distance_weight, 0.0, 1e6)
+        for name in WISH_WEIGHTS:
+            require_number(name, getattr(self, name), 0.0, 1e6)
+        if self.ground_weight > 0.0 and self.scenario.ground is None:
+            raise SettingError(
+                f"ground_weight {self.ground_weight:g}: map {shown(self.scenario.name)} has no costs of "
+                "ground; choose a scenario with `ground`, or leave the option out"
+            )
 
     @property
     def dimension(self) -> int:
@@ -73,13 +86,22 @@ class GridProblem(GridMapProblem):
     @cached_property
     def table(self) -> GridTable:
         """The problem as the kernels read it."""
-        weight, grid = self.distance_weight, self.scenario.map
-        costs = weight * nearness(grid, 0.0) if weight > 0.0 else None
-        return tabulate(grid, self.curve, self.penalty, self.ways, costs)
+        grid, ground = self.scenario.map, self.scenario.ground
+        costs = np.zeros(grid.blocked.shape) if self.distance_weight or self.ground_weight else None
+        if costs is not None and self.distance_weight > 0.0:
+            costs += self.distance_weight * nearness(grid, 0.0)
+        if costs is not None and ground is not None:
+            costs += self.ground_weight * ground.costs
+        return tabulate(grid, self.curve, self.penalty, self.ways, costs, self.curvature_weight)
+
+    @property
+    def wishes(self) -> dict[str, float]:
+        """The weights that are not 0, by name: what a path shall keep low besides its length."""
+        return {name: getattr(self, name) for name in WISH_WEIGHTS if getattr(self, name) > 0.0}
 
     @property
     def lower_bound(self) -> float:
-        """A lower bound of the fitness: the straight line, also where nearness costs something."""
+        """A lower bound of the fitness: the straight line, also where wishes have a weight."""
         return self.scenario.straight_line
 
     @property
@@ -116,8 +138,20 @@ class GridProblem(GridMapProblem):
         """The map, the ends and the parameters that the fitness depends on."""
         scenario = self.scenario
         ends = [float(number) for number in (*scenario.start, *scenario.target)]
-        found = scenario.map.digest, ends, self.encoding, int(self.num_points), float(self.penalty)
-        return (*found, float(self.distance_weight)) if self.distance_weight > 0.0 else found
+        found: tuple[object, ...] = (
+            scenario.map.digest,
+            ends,
+            self.encoding,
+            int(self.num_points),
+            float(self.penalty),
+        )
+        if self.distance_weight > 0.0:
+            found += (float(self.distance_weight),)
+        if self.ground_weight > 0.0 and scenario.ground is not None:
+            found += ("ground", float(self.ground_weight), scenario.ground.digest)
+        if self.curvature_weight > 0.0:
+            found += ("curvature", float(self.curvature_weight))
+        return found
 
     def points(self, vectors: ArrayLike) -> Floats:
         """Return the paths, (..., k, 2) in map coordinates, of decision vectors (..., dimension)."""

@@ -53,7 +53,8 @@ class GridTable(NamedTuple, Generic[Whole, Real]):
     row_runs: NDArray[np.int16]  # (cells + rows,) see `_runs`
     column_runs: NDArray[np.int16]  # (cells + columns,) the same for columns, column by column
     nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
-    row_costs: Floats  # (cells + rows,) see `_sums`, or (0,) where nearness costs nothing
+    curvature_weight: Real  # fitness per integral of the squared curvature, in cells squared
+    row_costs: Floats  # (cells + rows,) see `_sums`, or (0,) where no cell costs anything
     column_costs: Floats  # (cells + columns,) the same for columns, column by column
 
 
@@ -89,13 +90,19 @@ def select(tables: GridTables, index: int) -> GridTable:
         tables.row_runs[index],
         tables.column_runs[index],
         tables.nearest[index],
+        tables.curvature_weight[index],
         tables.row_costs[index],
         tables.column_costs[index],
     )
 
 
 def tabulate(
-    grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | None, costs: Floats | None
+    grid: GridMap,
+    encoding: Encoding,
+    penalty: float,
+    ways: Floats | None,
+    costs: Floats | None,
+    curvature_weight: float,
 ) -> GridTable:
     """Return the problem table of a map and an encoding.
 
@@ -105,6 +112,7 @@ def tabulate(
         penalty: lambda, fitness per blocked piece.
         ways: (K, D) the paths that smooth bends lie next to; the straight line if there are none.
         costs: (height, width) fitness per unit of length in each cell, added to 1; None is 0 everywhere.
+        curvature_weight: fitness per integral of the squared curvature, in map units squared.
     """
     cells = _cells(grid)
     padded = np.zeros((0, 0)) if costs is None else np.pad(costs, 1)
@@ -136,6 +144,7 @@ def tabulate(
         _runs(cells.blocked).ravel(),
         _runs(cells.blocked.T).ravel(),
         cells.nearest,
+        float(curvature_weight) / grid.resolution**2,
         _sums(padded).ravel(),
         _sums(padded.T).ravel(),
     )

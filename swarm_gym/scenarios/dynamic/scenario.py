@@ -100,7 +100,7 @@ class DynamicScenario:
         changed = GridMap(
             f"{grid.name} after iteration {iteration}", blocked, grid.resolution, grid.origin, grid.y_up
         )
-        return replace(self.base, name=self.name, map=changed)
+        return replace(self.base, name=self.name).on(changed)
 
 
 AnyScenario = StaticScenario | DynamicScenario

@@ -1,5 +1,7 @@
 """Maps of ROS's map_server, a YAML file and an image: the scenarios `ros:<map>?start=<x>,<y>&goal=<x>,<y>`.
 
+With `&unknown=` or `&lethal=` the map of a scenario has its grades, see `swarm_gym.scenarios.graded_map`.
+
 Source: the documentation of map_server (http://wiki.ros.org/map_server) and of its successor in Nav2.
 
 Map coordinates are metres, x to the right and y upwards. The key `mode` says what a grey value v means:
@@ -32,13 +34,16 @@ from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.family import Family, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.formats.ros_image import ARRAYS, Picture, locate_picture, read_picture
-from swarm_gym.scenarios.graded_map import SCALES, GradedMap, Grading, graded
+from swarm_gym.scenarios.graded_map import SCALES, UNKNOWN_CELLS, GradedMap, Grading, graded
 from swarm_gym.scenarios.grid_map import MAX_ORIGIN, MAX_RESOLUTION, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.obstacles import Point
 
 NAME = "ros"
-USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"
+USAGE = (
+    f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>][&unknown=<{'|'.join(UNKNOWN_CELLS)}>]"
+    "[&lethal=<value>]"
+)
 
 ENDINGS = (".yaml", ".yml")  # of the YAML file, in small letters
 COSTMAP = "costmap"
@@ -154,7 +159,7 @@ def tidy(name: str) -> str:
         ScenarioError: if the name has another form.
     """
     name = spaceless(name)
-    given, *_ = _parse(name)
+    given = _parse(name).map
     short = given if Path(given).is_absolute() else given.removesuffix(".yaml")
     return name.replace(f":{given}", f":{short}", 1)
 
@@ -162,16 +167,23 @@ def tidy(name: str) -> str:
 def make(name: str) -> GridScenario:
     """Return the scenario of that name; start, goal and radius are in metres.
 
+    Cells that only the radius blocks have no grade.
+
     The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`. It may be
     an absolute path that ends with `.yaml`. A name that ends with `.yml` names the file itself.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.
+        SettingError: for a value of `lethal` that the map cannot have.
         MissingExtraError: if PyYAML or Pillow is missing.
     """
-    given, start, goal, radius = _parse(name)
+    given, start, goal, radius, grading = _parse(name)
     path = find_data_file(given if given.lower().endswith(ENDINGS) else f"{given}.yaml")
-    return GridScenario(name, read_ros_map(path, radius), start, goal)
+    if grading is None:
+        return GridScenario(name, read_ros_map(path, radius), start, goal)
+    read = read_graded_ros_map(path, grading)
+    ground = read.on(read.grid.inflated(radius)) if radius else read
+    return GridScenario(name, ground.grid, start, goal, ground)
 
 
 FAMILY = Family(USAGE, (), expand, make, tidy)
@@ -278,22 +290,38 @@ def _warn_of_unknown(
         )
 
 
-def _parse(name: str) -> tuple[str, Point, Point, float]:
-    """Return map, start, goal and radius."""
+class _Parts(NamedTuple):
+    """The parts of a scenario's name; the grading is None for free and blocked cells alone."""
+
+    map: str
+    start: Point
+    goal: Point
+    radius: float
+    grading: Grading | None
+
+
+def _parse(name: str) -> _Parts:
+    """Return the parts of a scenario's name."""
     point = f"({_NUMBER}),({_NUMBER})"
     match = re.fullmatch(
-        rf"{NAME}:(.+?)\?start={point}&goal={point}(?:&inflate=([0-9]{{1,9}}(?:\.[0-9]{{1,15}})?))?", name
+        rf"{NAME}:(.+?)\?start={point}&goal={point}(?:&inflate=([0-9]{{1,9}}(?:\.[0-9]{{1,15}})?))?"
+        rf"(?:&unknown=({'|'.join(UNKNOWN_CELLS)}))?(?:&lethal=([0-9]{{1,3}}))?",
+        name,
     )
     if not match:
         raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with decimal numbers, in metres")
-    given, *numbers = match.groups()
+    given, *numbers, unknown, lethal = match.groups()
     if Path(given).is_absolute() and not given.lower().endswith(ENDINGS):
         raise ScenarioError(
             f"scenario {shown(name)}: an absolute path to a map must end with .yaml or .yml, got "
             f"{shown(given)}"
         )
     x, y, goal_x, goal_y, radius = (float(number or 0) for number in numbers)
-    return given, (x, y), (goal_x, goal_y), radius
+    is_graded = unknown is not None or lethal is not None
+    grading = (
+        Grading(unknown or UNKNOWN_CELLS[0], None if lethal is None else int(lethal)) if is_graded else None
+    )
+    return _Parts(given, (x, y), (goal_x, goal_y), radius, grading)
 
 
 class _Entries:

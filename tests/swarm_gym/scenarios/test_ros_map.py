@@ -12,7 +12,8 @@ from helpers.public_maps import needed
 from helpers.refusals import refused
 from swarm_gym.errors import MissingExtraError, ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario
-from swarm_gym.scenarios.formats.ros_map import read_ros_map, read_yaml
+from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map, read_yaml
+from swarm_gym.scenarios.graded_map import Grading
 
 Image = pytest.importorskip("PIL.Image", reason="needs the extra `maps`")
 pytest.importorskip("yaml", reason="needs the extra `maps`")
@@ -268,13 +269,40 @@ def test_a_map_can_be_inflated_by_a_radius_in_metres(folder):
     assert made.map.blocked.sum() > read_ros_map(folder / "small.yaml").blocked.sum()
 
 
+@pytest.mark.parametrize(
+    ("choices", "grading"),
+    [
+        ("&unknown=dear", Grading(unknown="dear")),
+        ("&lethal=100", Grading()),
+        ("&unknown=free&lethal=50", Grading("free", 50)),
+    ],
+)
+def test_a_name_can_choose_what_grades_mean(folder, choices, grading):
+    made = make_scenario(f"ros:small?start=-0.75,2.75&goal=-0.75,2.25{choices}")
+    assert made.ground == read_graded_ros_map(folder / "small.yaml", grading)
+    assert made.map == made.ground.grid
+    grown = make_scenario(f"ros:small?start=-0.75,2.75&goal=-0.75,2.25&inflate=0.3{choices}")
+    assert grown.map == made.map.inflated(0.3)
+    assert (grown.ground.costs == np.where(grown.map.blocked, 0.0, made.ground.costs)).all()
+    assert make_scenario("ros:small?start=-0.75,2.75&goal=-0.75,2.25").ground is None
+
+
 def test_an_image_that_changed_is_read_again(folder):
     before = read_ros_map(folder / "small.yaml")
     (folder / "small.pgm").write_bytes(PGM.replace(bytes([205, 0]), bytes([254, 254])) + b"\n")
     assert read_ros_map(folder / "small.yaml") != before
 
 
-NO_ENDS = ("", "&goal=1", "&goal=1,nan", "&goal=1,1e3", "&goal=1,1&inflate=-1", "&goal=1,1&radius=1")
+NO_ENDS = (
+    "",
+    "&goal=1",
+    "&goal=1,nan",
+    "&goal=1,1e3",
+    "&goal=1,1&inflate=-1",
+    "&goal=1,1&radius=1",
+    "&goal=1,1&unknown=maybe",
+    "&goal=1,1&lethal=-1",
+)
 NO_NAMES = ["ros:small", "ros:?start=0,0&goal=1,1", "ros:/small?start=0,0&goal=1,1"]
 
 
