@@ -1,5 +1,6 @@
 """Shared fixtures."""
 
+import os
 import signal
 
 import numba
@@ -11,6 +12,11 @@ pytest_plugins = ["helpers.skips", "pytester"]
 
 # `make test-slow` asks for it; the usual run has the default number of examples, 100.
 settings.register_profile("thorough", max_examples=10_000)
+
+
+def pytest_xdist_auto_num_workers():
+    """Workers for `-n auto`: one more than processors, which works while others wait for processes."""
+    return 1 + (os.cpu_count() or 1)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -16,7 +16,6 @@ import tyro
 
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.size_limits import SizeLimits
-from swarm_gym.problem.grid.problem import WISH_WEIGHTS
 from swarm_gym.training.algorithms import (
     ALGORITHMS,
     EVERY_OPTION,
@@ -28,6 +27,9 @@ from swarm_gym.training.algorithms import (
 )
 from swarm_gym.training.own_names import refuse_own_code
 from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
+
+# Options that exist on some kinds of scenarios only.
+PROBLEM_OPTIONS = ("encoding", "distance_weight", "ground_weight", "curvature_weight", "cost", "source")
 
 
 class EnvOptions(TypedDict, total=False):
@@ -183,7 +185,7 @@ def changed_options(config: object) -> EnvOptions:
 
     Defaults are left out, since each of these options exists on some kinds of scenarios only.
     """
-    names = [name for name in ("encoding", *WISH_WEIGHTS, "cost", "source") if hasattr(config, name)]
+    names = [name for name in PROBLEM_OPTIONS if hasattr(config, name)]
     given = {name: getattr(config, name) for name in names}
     return cast(EnvOptions, {n: value for n, value in given.items() if value != getattr(TrainConfig, n)})
 

@@ -16,7 +16,6 @@ import tyro
 from swarm_gym.command import command
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
-from swarm_gym.problem.grid.problem import WISH_WEIGHTS
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.training.presets import load_preset
 from swarm_gym.tuning.config import TuneConfig
@@ -29,7 +28,9 @@ FROM_PRESET = (
     "total_steps",
     "optimizer",
     "scenarios",
-    *WISH_WEIGHTS,
+    "distance_weight",
+    "ground_weight",
+    "curvature_weight",
     "cost",
     "source",
     "min_population_size",

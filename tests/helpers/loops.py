@@ -4,6 +4,8 @@ import functools
 import inspect
 from contextlib import contextmanager
 
+EMPTY = "a loop without cases tests nothing"
+
 
 @contextmanager
 def named_case(description):
@@ -22,11 +24,14 @@ def looped(names, values):
 
     Args:
         names: name of an argument, or a tuple of names.
-        values: one value, or one tuple of values, for each run of the test; there is at least one.
+        values: one value, or one tuple of values, for each run of the test; there is at least one. A
+            function without arguments returns them when the test runs, which spares workers that do not run
+            it the time.
     """
     names = (names,) if isinstance(names, str) else tuple(names)
-    cases = [(value,) if len(names) == 1 else tuple(value) for value in values]
-    assert cases, "a loop without cases tests nothing"
+    if not callable(values):
+        values = list(values)
+        assert values, EMPTY
 
     def decorate(test):
         signature = inspect.signature(test)
@@ -34,7 +39,10 @@ def looped(names, values):
 
         @functools.wraps(test)
         def run(**others):
-            for row in cases:
+            found = [*(values() if callable(values) else values)]
+            assert found, EMPTY
+            for value in found:
+                row = (value,) if len(names) == 1 else tuple(value)
                 chosen = dict(zip(names, row, strict=True))
                 with named_case(", ".join(f"{name}={value!r}" for name, value in chosen.items())):
                     test(**others, **chosen)

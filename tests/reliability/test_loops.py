@@ -48,3 +48,23 @@ def test_a_loop_without_cases_or_of_an_unknown_argument_is_refused():
     for names, values in (("number", []), ("nothing", [1])):
         with pytest.raises(AssertionError):
             looped(names, values)(lambda number: None)
+
+
+def test_cases_can_come_from_a_function_that_is_called_when_the_test_runs():
+    calls = []
+
+    def cases():
+        calls.append(0)
+        return range(3)
+
+    seen = []
+
+    @looped("number", cases)
+    def check(number):
+        seen.append(number)
+
+    assert not calls
+    check()
+    assert seen == [0, 1, 2]
+    with pytest.raises(AssertionError, match="tests nothing"):
+        looped("number", tuple)(lambda number: None)()

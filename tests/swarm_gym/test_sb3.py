@@ -219,7 +219,8 @@ def test_infos_of_resets_are_those_of_the_library():
         made.step(actions), single.step(actions)
 
 
-@pytest.mark.parametrize("method", [pytest.param("forkserver", marks=pytest.mark.slow), "spawn"])
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["forkserver", "spawn"])
 def test_workers_that_start_anew_make_environments_by_an_id_with_its_package(method):
     workers = {"vec_env_cls": SubprocVecEnv, "vec_env_kwargs": {"start_method": method}}
     made = make_vec_env("swarm_gym:swarm_gym/Firefly-v0", 2, seed=3, env_kwargs=OPTIONS, **workers)

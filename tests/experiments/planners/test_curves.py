@@ -51,8 +51,9 @@ def test_the_check_names_the_limit_that_is_broken():
     assert check(*task([(0.0, 3.0), (0.0, -1.0), (0.5, 2.0)])).broken == "curvature"  # it reverses
 
 
-def test_drawn_tasks_have_room_at_their_ends():
-    for one in draw_drive_tasks("generated rooms", 3, 0):
+@pytest.mark.parametrize("count", [1, pytest.param(3, marks=pytest.mark.slow)])
+def test_drawn_tasks_have_room_at_their_ends(count):
+    for one in draw_drive_tasks("generated rooms", count, 0):
         assert (one.radius, one.turning_radius) == ON_CELLS
         assert one.shortest > math.dist(one.scenario.start, one.scenario.target) * (1.0 - 1e-9)
         for end, heading, sign in zip(

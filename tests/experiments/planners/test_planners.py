@@ -83,7 +83,7 @@ def test_differences_are_negative_where_the_swarm_is_shorter_and_a_miss_counts_t
 
 def test_a_small_comparison_has_free_paths_only_and_goes_on_where_it_stopped(tmp_path):
     require_ompl()
-    config = PlannersConfig(tmp_path, ("caves",), tasks=1, seeds=1, seconds=(0.2, 0.4))
+    config = PlannersConfig(tmp_path, ("caves",), tasks=1, seeds=1, seconds=(0.1, 0.2))
     assert all(file.exists() for file in compare(config))
     runs = read(tmp_path / "planning.jsonl")
     assert {run.planner for run in runs} == set(ON_MAPS)

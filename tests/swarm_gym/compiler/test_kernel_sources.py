@@ -1,6 +1,7 @@
 """The cache of kernels knows all sources that they are compiled from."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import swarm_gym
@@ -80,27 +81,37 @@ def strangers(tree):
     }
 
 
-# Kernels for GPUs are compiled by numba-cuda, and not cached.
-ON_THE_CPU = [path for path in sorted(PACKAGE.rglob("*.py")) if path.relative_to(PACKAGE).parts[0] != "gpu"]
-MODULES = {module_name(path): ast.parse(path.read_text()) for path in ON_THE_CPU}
-WITH_KERNELS = [name for name, tree in MODULES.items() if has_kernels(tree)]
+@cache
+def modules():
+    """Syntax trees by name of module; kernels for GPUs are compiled by numba-cuda, and not cached."""
+    return {
+        module_name(path): ast.parse(path.read_text(encoding="utf-8"))
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if path.relative_to(PACKAGE).parts[0] != "gpu"
+    }
+
+
+@cache
+def with_kernels():
+    """Names of the modules that have kernels."""
+    return [name for name, tree in modules().items() if has_kernels(tree)]
 
 
 def test_every_place_exists_and_has_kernels():
     for place in KERNEL_SOURCES:
         assert (PACKAGE / place).exists()
         start = f"swarm_gym.{place.removesuffix('.py').replace('/', '.')}."
-        assert any(f"{name}.".startswith(start) for name in WITH_KERNELS)
+        assert any(f"{name}.".startswith(start) for name in with_kernels())
 
 
-@looped("module", WITH_KERNELS)
+@looped("module", with_kernels)
 def test_modules_with_kernels_are_kernel_sources(module):
     assert is_kernel_source(module)
 
 
-@looped("module", WITH_KERNELS)
+@looped("module", with_kernels)
 def test_kernels_use_nothing_from_outside_of_the_kernel_sources(module):
-    assert strangers(MODULES[module]) == set()
+    assert strangers(modules()[module]) == set()
 
 
 OUTSIDE = """

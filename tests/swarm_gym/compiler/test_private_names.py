@@ -190,7 +190,7 @@ def test_a_name_exists(name):
     object_of(name)
 
 
-@looped(("name", "count", "keywords"), calls())
+@looped(("name", "count", "keywords"), calls)
 def test_a_function_takes_the_arguments_that_the_package_passes(name, count, keywords):
     needs_cuda(name)
     called = object_of(name)

@@ -238,6 +238,7 @@ def test_a_narrow_passage_is_open_and_one_of_no_width_or_less_is_closed():
 @pytest.mark.skipif(
     os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
 )
+@pytest.mark.slow
 def test_five_hundred_grown_polygons_are_a_town_with_ways_and_walls():
     rng, obstacles, ends = np.random.default_rng(0), [], ((0.0, 0.0), (100.0, 100.0))
     while len(obstacles) < 500:

@@ -15,6 +15,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 pytestmark = pytest.mark.usefixtures("plain_pictures")
 
 
+@pytest.mark.slow
 def test_dqn_learns_to_save_evaluations_that_cost_much(tmp_path):
     options = {"price": (500.0,), "rollouts_per_chunk": 4, "learning_rate": 3e-3, "gradient_steps": 4}
     options |= {"size_choices": (-1.0, 0.0, 1.0), "degree_choices": (0.0,), "exploration_steps": 4 * STEPS}
