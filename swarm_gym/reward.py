@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import Namespace, as_numpy, at_least, floats
 from swarm_gym.compiler.elementary import log
 from swarm_gym.errors import shown
+from swarm_gym.features import LOG_TEN
 from swarm_gym.own_code import OwnCodeError, find
 from swarm_gym.simulation import Simulation
 
@@ -42,7 +43,6 @@ Floats = NDArray[np.float64]
 
 LARGEST_DETOUR = 1.0  # that the reward `detour` counts
 LEAST_GAP = 1e-8  # that the reward `anytime` tells from a smaller one
-_LOG_TEN = 2.302585092994046  # not computed, since the last digit would be that of the C library
 
 
 class Transition(NamedTuple):
@@ -134,7 +134,7 @@ def anytime(transition: Transition) -> Floats:
     first, later = transition.budget_shares()
     xp = transition.xp
     gaps = (at_least(xp, gap, LEAST_GAP) for gap in (transition.initial_gap, transition.gap_after))
-    before, now = (log(gap, xp) / _LOG_TEN for gap in gaps)
+    before, now = (log(gap, xp) / LOG_TEN for gap in gaps)
     return -(first * before + later * now)
 
 
