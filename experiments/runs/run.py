@@ -40,7 +40,7 @@ class Run:
         final_fitness: best fitness of the run.
         final_collision: degree of collision of the best path; 0 is feasible.
         evaluations: number of calls of the cost function.
-        seconds: processor time of the run, without compilation.
+        seconds: processor time of the run, without compilation; of runs side by side, its share.
         best_path: (n + 2, 2) in map coordinates.
         trace: (iterations + 1, columns) values that the run recorded in each iteration.
         provenance: versions and commit that the run was made with.

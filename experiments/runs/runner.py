@@ -12,6 +12,7 @@ from experiments.runs.episode import Episode, warm_up
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey
+from experiments.runs.side_by_side import can_be_side_by_side, run_side_by_side
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.own_code import given
 from swarm_gym.runs.provenance import provenance
@@ -93,7 +94,9 @@ def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
 
 
 def run_unit(unit: Unit, experiment: Experiment, made_with: dict[str, str]) -> list[Run]:
-    """Carry out the runs of a unit, one after the other."""
+    """Carry out the runs of a unit, side by side where they can be."""
+    if can_be_side_by_side(*unit, experiment):
+        return run_side_by_side(*unit, experiment, made_with)
     return [Episode((unit.controller, unit.scenario, seed), experiment).run(made_with) for seed in unit.seeds]
 
 
