@@ -24,8 +24,8 @@ from swarm_gym.vector_env import SwarmVectorEnv
 def can_be_side_by_side(controller: str, scenario: str, seeds: Sequence[int], experiment: Experiment) -> bool:
     """Return whether runs of these seeds can be made side by side.
 
-    They can be if there are several seeds, one after the other, no population is to be kept, and neither
-    optimizer nor controller is own code, which may know single environments only.
+    There must be several seeds, one after the other, and no population to keep. Own code runs alone, since it
+    may know single environments only.
     """
     runs = entrant(controller, experiment.optimizer)
     family = ControllerName.parse(runs.controller).family
