@@ -1,6 +1,5 @@
 """Shared fixtures."""
 
-import os
 import signal
 
 import numba
@@ -14,9 +13,12 @@ pytest_plugins = ["helpers.skips", "pytester"]
 settings.register_profile("thorough", max_examples=10_000)
 
 
-def pytest_xdist_auto_num_workers():
-    """Workers for `-n auto`: one more than processors, which works while others wait for processes."""
-    return 1 + (os.cpu_count() or 1)
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config):
+    """Workers for `-n auto`: one more than usual, which works while others wait for processes."""
+    from xdist.plugin import pytest_xdist_auto_num_workers as usual
+
+    return 1 + usual(config)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,12 +1,11 @@
 """Runs that differ in their seeds only, side by side in a vector of swarms.
 
-They are those of `Episode`, bit for bit, and take a fraction of its time: a controller decides for all swarms
-at once, and no infos are made in between.
+They are those of `Episode`, bit for bit. They take less time, since a controller decides for all swarms at
+once, and no infos are made in between.
 """
 
 import time
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from gymnasium.vector import AutoresetMode
 
@@ -14,7 +13,7 @@ from agents import CONTROLLERS
 from experiments.runs.episode import controller_of, warm_up
 from experiments.runs.experiment import Experiment
 from experiments.runs.run import Run
-from swarm_gym.comparing.entrants import entrant
+from swarm_gym.comparing.entrants import entrant, options_of
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import ALL_OPTIMIZERS
 from swarm_gym.rollout import run_swarms
@@ -55,14 +54,13 @@ def run_side_by_side(
     runs = entrant(controller, experiment.optimizer)
     warm_up(runs.optimizer, experiment)
     decides = controller_of(runs.controller)
-    options: dict[str, Any] = {**experiment.options, **runs.options, **decides.env_options()}
     swarms = SwarmVectorEnv(
         len(seeds),
         runs.optimizer,
         autoreset_mode=AutoresetMode.DISABLED,
         num_threads=1,
         scenario=scenario,
-        **options,
+        **options_of(runs, decides, experiment.options),
     )
     begin = time.process_time()
     run_swarms(decides, swarms, range(seeds[0], seeds[0] + len(seeds)))

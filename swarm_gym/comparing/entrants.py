@@ -53,6 +53,11 @@ def entrant(name: str, optimizer: str) -> Entrant:
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)
 
 
+def options_of(runs: Entrant, controller: Controller, options: Mapping[str, object]) -> dict[str, Any]:
+    """Return the options of an entrant's environments; what the controller needs comes before all others."""
+    return {**options, **runs.options, **controller.env_options()}
+
+
 def environment_of(
     runs: Entrant, controller: Controller, scenario: str, options: Mapping[str, object]
 ) -> gymnasium.Env[NDArray, NDArray]:
@@ -64,7 +69,7 @@ def environment_of(
         scenario: name of a scenario.
         options: options of all environments that are compared.
     """
-    chosen: dict[str, Any] = {**options, **runs.options, **controller.env_options()}
+    chosen = options_of(runs, controller, options)
     return gymnasium.make(environment_id(runs.optimizer), scenario=scenario, **chosen)
 
 

@@ -147,7 +147,8 @@ def read_task(
         ends = start, goal
     if isinstance(given, GridScenario):
         require_room(given, margin)
-        return Task(given, margin, Frame(), given, *ends, projection)
+        bare = replace(given, ground=None)  # whose costs nothing that works on it weighs
+        return Task(given, margin, Frame(), bare, *ends, projection)
     frame = Frame.of(given)
     try:
         task = Task(given, margin, frame, frame.moved(given), *ends, projection)

@@ -29,7 +29,7 @@ from swarm_gym.training.own_names import refuse_own_code
 from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
 
 # Options that exist on some kinds of scenarios only.
-_PROBLEM_OPTIONS = ("encoding", "distance_weight", "ground_weight", "curvature_weight", "cost", "source")
+_OF_SOME_KINDS = ("encoding", "distance_weight", "ground_weight", "curvature_weight", "cost", "source")
 
 
 class EnvOptions(TypedDict, total=False):
@@ -185,7 +185,7 @@ def changed_options(config: object) -> EnvOptions:
 
     Defaults are left out, since each of these options exists on some kinds of scenarios only.
     """
-    names = [name for name in _PROBLEM_OPTIONS if hasattr(config, name)]
+    names = [name for name in _OF_SOME_KINDS if hasattr(config, name)]
     given = {name: getattr(config, name) for name in names}
     return cast(EnvOptions, {n: value for n, value in given.items() if value != getattr(TrainConfig, n)})
 

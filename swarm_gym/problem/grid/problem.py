@@ -87,12 +87,13 @@ class GridProblem(GridMapProblem):
     def table(self) -> GridTable:
         """The problem as the kernels read it."""
         grid, ground = self.scenario.map, self.scenario.ground
-        costs = np.zeros(grid.blocked.shape) if self.distance_weight or self.ground_weight else None
-        if costs is not None and self.distance_weight > 0.0:
-            costs += self.distance_weight * nearness(grid, 0.0)
-        if costs is not None and ground is not None:
-            costs += self.ground_weight * ground.costs
-        return tabulate(grid, self.curve, self.penalty, self.ways, costs, self.curvature_weight)
+        costs = []
+        if self.distance_weight > 0.0:
+            costs.append(self.distance_weight * nearness(grid, 0.0))
+        if self.ground_weight > 0.0 and ground is not None:
+            costs.append(self.ground_weight * ground.costs)
+        total = np.sum(costs, axis=0) if costs else None
+        return tabulate(grid, self.curve, self.penalty, self.ways, total, self.curvature_weight)
 
     @property
     def wishes(self) -> dict[str, float]:

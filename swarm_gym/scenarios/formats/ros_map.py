@@ -167,10 +167,9 @@ def tidy(name: str) -> str:
 def make(name: str) -> GridScenario:
     """Return the scenario of that name; start, goal and radius are in metres.
 
-    Cells that only the radius blocks have no grade.
-
     The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`. It may be
-    an absolute path that ends with `.yaml`. A name that ends with `.yml` names the file itself.
+    an absolute path that ends with `.yaml`. A name that ends with `.yml` names the file itself. A radius
+    blocks cells next to lethal ones, whatever their grades are.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.
