@@ -6,6 +6,7 @@ once, and no infos are made in between.
 
 import time
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from gymnasium.vector import AutoresetMode
 
@@ -54,13 +55,14 @@ def run_side_by_side(
     runs = entrant(controller, experiment.optimizer)
     warm_up(runs.optimizer, experiment)
     decides = controller_of(runs.controller)
+    options: dict[str, Any] = options_of(runs, decides, experiment.options)
     swarms = SwarmVectorEnv(
         len(seeds),
         runs.optimizer,
         autoreset_mode=AutoresetMode.DISABLED,
         num_threads=1,
         scenario=scenario,
-        **options_of(runs, decides, experiment.options),
+        **options,
     )
     begin = time.process_time()
     run_swarms(decides, swarms, range(seeds[0], seeds[0] + len(seeds)))

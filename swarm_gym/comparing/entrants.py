@@ -53,7 +53,7 @@ def entrant(name: str, optimizer: str) -> Entrant:
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)
 
 
-def options_of(runs: Entrant, controller: Controller, options: Mapping[str, object]) -> dict[str, Any]:
+def options_of(runs: Entrant, controller: Controller, options: Mapping[str, object]) -> dict[str, object]:
     """Return the options of an entrant's environments; what the controller needs comes before all others."""
     return {**options, **runs.options, **controller.env_options()}
 
@@ -69,7 +69,7 @@ def environment_of(
         scenario: name of a scenario.
         options: options of all environments that are compared.
     """
-    chosen = options_of(runs, controller, options)
+    chosen: dict[str, Any] = options_of(runs, controller, options)
     return gymnasium.make(environment_id(runs.optimizer), scenario=scenario, **chosen)
 
 
