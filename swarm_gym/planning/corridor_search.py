@@ -43,9 +43,15 @@ def shortest_by_corridor(scenario: GridScenario, is_over: Callable[[], bool]) ->
     """
     grid = scenario.map
     start, goal = (tuple(point) for point in grid.to_cells([scenario.start, scenario.target]).tolist())
+    if is_over():
+        return
     runs = Runs.of(grid.blocked)
     ends = [int(runs.number[cell[::-1]]) for cell in map(grid.cell_of, (scenario.start, scenario.target))]
+    if is_over():
+        return
     left = _steps_left(grid.blocked, grid.cell_of(scenario.target))
+    if is_over():
+        return
     for points in _Search(runs, _chains(runs, ends), left, start, goal, ends).run(is_over):
         path = grid.to_map(points)
         path[0], path[-1] = scenario.start, scenario.target

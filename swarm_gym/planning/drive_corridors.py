@@ -70,7 +70,7 @@ class DriveCorridors:
             is_over: whether time is up.
         """
         walls = walls_around(self.corridors, path)
-        if walls is None:
+        if walls is None or is_over():
             return None
         searches, best = self.searches, None
         most = math.inf if self.most is None else searches.evaluations + self.most

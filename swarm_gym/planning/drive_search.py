@@ -150,6 +150,8 @@ class DriveSearch:
         radius = self._limits.radius
         cell = min(max(radius / 4.0, SMALLEST_CELL), max(LARGEST_CELL, radius / 16.0)) / effort.finer
         search = make_search(effort.nodes, cell, effort.headings, 1.5 * cell, effort.weight)
+        if is_over():
+            return search  # without a curve
         guide = self._guide(effort.beyond)
         is_free = driving.goal_heading is None
         goals = np.array([[*self._ends[1], driving.goal_heading or 0.0]])

@@ -196,7 +196,9 @@ class Planner:
         """Load the kernels, and prepare the exact planner on the map."""
         where = self._where.grid if isinstance(self._where, GradedMap) else self._where
         is_on_cells = isinstance(where, GridMap | GridScenario)
-        _load_kernels(is_on_cells, self._margin > 0.0, self._turning_radius is not None)
+        has_costs = isinstance(self._where, GradedMap) or bool(self._wishes)
+        drives = self._turning_radius is not None
+        _load_kernels(is_on_cells, self._margin > 0.0, drives, is_on_cells and has_costs and not drives)
         if isinstance(where, GridMap | GridScenario):
             grid = where if isinstance(where, GridMap) else where.map
             _ = grid.components  # kept by the map
@@ -269,12 +271,13 @@ def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
 
 
 @cache
-def _load_kernels(is_on_cells: bool, has_margin: bool, drives: bool) -> None:
+def _load_kernels(is_on_cells: bool, has_margin: bool, drives: bool, weighs: bool) -> None:
     """Plan on a tiny map, once in a process, so that later calls find all kernels loaded."""
     task = read_task(_tiny_cells() if is_on_cells else _tiny_obstacles(), None, None, 0.4 * has_margin)
     kind: type[PlanningRun] | type[DriveRun] = DriveRun if drives else PlanningRun
     radius = 0.5 if drives else None
-    request = Request(alternatives=2, turning_radius=radius)
+    wishes = {"distance": 1.0} if weighs else None
+    request = Request(alternatives=2, turning_radius=radius, wishes=wishes)
     other = kind(task, request, time.monotonic(), lambda: False).run().alternatives[-1].path
     again = Request(previous=other, switch_margin=1.0, turning_radius=radius)
     kind(task, again, time.monotonic(), lambda: False).run()

@@ -73,7 +73,7 @@ class PlanningRun:
             if stand_in is not None:
                 self._keep(stand_in, "exact planner")
         if self._wished is not None:
-            path = wished_path(self._wished, self._is_over)
+            path = wished_path(self._wished, self._is_enough)
             if path is not None and (
                 not self.improvements or self._cost_of(path) < self._cost_of(self._best)
             ):
@@ -140,6 +140,10 @@ class PlanningRun:
 
     def _is_over(self) -> bool:
         return time.monotonic() >= self._limit or self._is_stopped()
+
+    def _is_enough(self) -> bool:
+        """Return whether time is up; without a path, only whether planning has been stopped."""
+        return self._is_stopped() or (bool(self.improvements) and self._is_over())
 
     def _keep(self, path: Floats, found_by: str) -> None:
         self.improvements.append(improvement_of(self._task, path, found_by, self._began))

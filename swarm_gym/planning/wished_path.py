@@ -9,12 +9,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.planning.cell_graph import least_sums
+from swarm_gym.planning.cell_graph import cheapest_way
 from swarm_gym.planning.certificate import certified, is_free
 from swarm_gym.planning.wishes import WishedTask
-from swarm_gym.scenarios import GridScenario
+from swarm_gym.scenarios import GridMap, GridScenario
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 MOVES = np.array([(math.cos(angle), math.sin(angle)) for angle in np.arange(8) * math.pi / 4.0])
 LARGEST, SMALLEST = 2.0, 0.1  # moves of a point of the path, in cells
@@ -23,25 +24,42 @@ GAIN = 1e-6  # by which a sum must fall, as a share, to count
 
 
 def wished_path(wished: WishedTask, is_over: Callable[[], bool]) -> Floats | None:
-    """Return a path in map units, (k, 2), with a low sum of wishes; None if it cannot be certified.
+    """Return a path in map units, (k, 2), with a low sum of wishes.
 
     Args:
         wished: task and wishes.
-        is_over: whether time is up; local improvements end then.
+        is_over: whether time is up; the search and local improvements end then.
+
+    Returns:
+        The path; None if it cannot be certified, or time is up before one is known.
     """
     grown = wished.task.grown
     assert isinstance(grown, GridScenario)
     grid, small = wished.scenario.map, grown.map
-    middles = small.to_map(np.stack(np.meshgrid(np.arange(small.width), np.arange(small.height)), axis=-1))
-    columns, rows = np.clip(
-        np.rint(grid.to_cells(middles)).astype(np.int64), 0, (grid.width - 1, grid.height - 1)
-    ).transpose(2, 0, 1)
-    found = least_sums(small.blocked, wished.field[rows, columns], small.cell_of(grown.start))
-    if not math.isfinite(found.sums[small.cell_of(grown.target)[::-1]]):
-        return None  # steps lead to fewer cells than sides that touch
-    cells = found.path_to(small.cell_of(grown.target))
+    if is_over():
+        return None
+    columns, rows = _lines_of(grid, small, 0), _lines_of(grid, small, 1)
+    field = wished.field[rows[:, None], columns]
+    ends = small.cell_of(grown.start), small.cell_of(grown.target)
+    cells = cheapest_way(small.blocked, field, *ends, is_over)
+    if cells is None:
+        return None  # also where steps lead to fewer cells than sides that touch
     path = certified(wished.task, np.vstack([grown.start, small.to_map(cells), grown.target]))
     return None if path is None else improved(wished, path, is_over)
+
+
+def _lines_of(grid: GridMap, small: GridMap, axis: int) -> Integers:
+    """Return the column of a map in which each column of small cells lies, or the row of each row.
+
+    Args:
+        grid: the map.
+        small: map of small cells on the same area.
+        axis: 0 for columns, 1 for rows.
+    """
+    middles = np.zeros(((small.width, small.height)[axis], 2))
+    middles[:, axis] = np.arange(len(middles))
+    lines = np.rint(grid.to_cells(small.to_map(middles))[:, axis]).astype(np.int64)
+    return np.clip(lines, 0, (grid.width, grid.height)[axis] - 1)
 
 
 def improved(wished: WishedTask, path: Floats, is_over: Callable[[], bool]) -> Floats:
@@ -54,7 +72,7 @@ def improved(wished: WishedTask, path: Floats, is_over: Callable[[], bool]) -> F
     step = LARGEST
     while step >= SMALLEST and not is_over():
         for _ in range(ROUNDS):
-            if is_over() or not _moved(wished, points, step):
+            if is_over() or not _moved(wished, points, step, is_over):
                 break
         step /= 2.0
     mapped = grid.to_map(_straightened(wished, points, is_over))
@@ -89,10 +107,12 @@ def _is_as_good(wished: WishedTask, points: Floats, sums: Floats, here: int, fur
     return wished.sum_of(straight) <= limit and _is_free(wished, straight)
 
 
-def _moved(wished: WishedTask, points: Floats, step: float) -> bool:
+def _moved(wished: WishedTask, points: Floats, step: float, is_over: Callable[[], bool]) -> bool:
     """Move inner points, in place, where that lowers the sum; return whether one has moved."""
     has_moved = False
     for k in range(1, len(points) - 1):
+        if is_over():
+            break
         before = wished.sum_of(points[k - 1 : k + 2])
         best, least = None, before * (1.0 - GAIN)
         for move in step * MOVES:
