@@ -40,6 +40,7 @@ KERNEL_SOURCES = (
     "sources.py",
     "problem",
     "optimizers",
+    "planning/cell_graph.py",
     "planning/curves",
     "reference/a_star.py",
     "reference/any_angle.py",
