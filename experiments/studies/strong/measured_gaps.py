@@ -76,13 +76,16 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path)
 
 def _run(entrant: Entrant, controller: str, scenario: str, num_runs: int) -> tuple[Floats, Floats]:
     """Return gaps at the end and anytime, both (runs,), on one function."""
+    limits = entrant.limits
+    allowed = {"max_population_size": limits.largest} if limits is not None else {}
     episodes = run_episodes(
-        make_controller(controller, entrant.limits),
+        make_controller(controller, limits),
         scenario,
         TEST[:num_runs],
         entrant.optimizer,
         iterations=entrant.iterations,
         max_evaluations=EVALUATIONS,
         reward="anytime",
+        **allowed,
     )
     return episodes.final_fitness, -episodes.returns
