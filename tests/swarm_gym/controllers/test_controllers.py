@@ -219,7 +219,8 @@ def test_controllers_that_decide_differently_have_different_identities():
         "spsfa-tip:decay=0.5",
         "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2", "nlpsr",
         "diversity-ladder", "status-monitor",
-        "ipop", "ipop:factor=3", "bipop", "psa", "psa:threshold=2", "restart", "restart:patience=3", "periodic", "reaction",
+        "ipop", "ipop:factor=3", "bipop", "psa", "psa:threshold=2",
+        "restart", "restart:patience=3", "periodic", "reaction",
         "open-loop:three-cases", "reacting-loop:three-cases", "distilled:three-cases",
         "learned:three-cases/0@1", "learned:three-cases/0@2", "learned:three-cases/1@1", "learned:case1/0@1",
     ]  # fmt: skip

@@ -25,7 +25,9 @@ def test_the_squared_length_of_the_path_is_near_one_where_selection_is_random(di
             steps.ravel(), np.square(normals).sum(axis=1), np.zeros(size), np.ones(width), np.zeros(width + 1)
         )
         learn(state, registers, dimension, offspring, np.arange(size), weights, rates)
-        assert registers[REASON] == NO_REASON
-        if generation > 30:
+        if registers[REASON] != NO_REASON:  # a random walk of the covariance ends as a degenerate one
+            spread_out(state, registers, width, dimension, 0.3)
+        elif generation > 30:
             found.append(state[MOVEMENT])
+    assert len(found) > 1400
     assert np.mean(found) == pytest.approx(1.0, abs=tolerance)
