@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from experiments.studies.strong.entrants import Entrant
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, SCENARIOS
-from swarm_gym.controllers import make_controller
+from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.files import write_atomically
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.provenance import provenance
@@ -76,16 +76,15 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path)
 
 def _run(entrant: Entrant, controller: str, scenario: str, num_runs: int) -> tuple[Floats, Floats]:
     """Return gaps at the end and anytime, both (runs,), on one function."""
-    limits = entrant.limits
-    allowed = {"max_population_size": limits.largest} if limits is not None else {}
     episodes = run_episodes(
-        make_controller(controller, limits),
+        make_controller(controller, entrant.limits),
         scenario,
         TEST[:num_runs],
         entrant.optimizer,
         iterations=entrant.iterations,
         max_evaluations=EVALUATIONS,
         reward="anytime",
-        **allowed,
+        # The limits of a policy are in its file, and come before these.
+        max_population_size=(entrant.limits or SizeLimits()).largest,
     )
     return episodes.final_fitness, -episodes.returns
