@@ -85,8 +85,8 @@ class MovementSize(Rule):
 def best_normalized_step(size: int, dimension: int) -> float:
     """Return the normalised step size that is best on a sphere for a population size.
 
-    It is c n mu_w / (n - 1 + c^2 mu_w), where c is the weighted mean of the expected values of ordered
-    standard normal numbers, by Blom's formula.
+    It is c n mu_w / (n - 1 + c^2 mu_w). Here c is the weighted mean of the expected values of ordered normal
+    numbers, by Blom's formula.
     """
     weights = np.empty(size)
     rates = write_weights(weights, dimension)

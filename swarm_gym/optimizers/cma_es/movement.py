@@ -1,4 +1,4 @@
-"""How far the distribution of CMA-ES moves in one direction, in the space of its parameters.
+"""The path along which the distribution of CMA-ES moves, in the space of its parameters.
 
 Source: K. Nishida, Y. Akimoto, "PSA-CMA-ES: CMA-ES with population size adaptation", GECCO 2018. A step of
 mean and covariance is measured by the Fisher information of the distribution before the step. It is divided
