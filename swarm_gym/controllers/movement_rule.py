@@ -35,8 +35,8 @@ _DIGITS = 9
 class MovementSize(Rule):
     """A size of CMA-ES that grows while the steps of the distribution disagree, and falls while they agree.
 
-    After a change of the size, the step size changes by the same factor as the one that is best for such a
-    size on a sphere. A restart of the optimizer begins with `start` again.
+    Each size has a step size that is best on a sphere. When the size changes, the step size changes by the
+    ratio of these. A restart of the optimizer begins with `start` again.
 
     Attributes:
         start: first and smallest size; the default is CMA-ES's in ten dimensions, 4 + 3 log 10.
