@@ -16,6 +16,7 @@ and all but these and `search` begin with three numbers about collision:
 | `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
 | `restarts` | float64 | `paper`, and how often the optimizer has restarted, such as CMA-ES |
 | `search` | float32 | of CMA-ES and differential evolution: step size, covariance, success, memory, budget |
+| `distribution` | float64 | `restarts`, and how far the distribution of CMA-ES moves; dimension |
 | `theory` | float64 | on bit strings: length n and number of ones f |
 | `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |
 
@@ -63,7 +64,7 @@ from swarm_gym.features import (
 )
 from swarm_gym.own_code import find
 from swarm_gym.problem import OneMaxProblem
-from swarm_gym.search_features import SEARCH, can_search
+from swarm_gym.search_features import DISTRIBUTION, SEARCH, can_search
 from swarm_gym.simulation import Simulation
 
 # Column with the iteration, or its fraction of all, of every layout that is not of bit strings; 0 only at the
@@ -191,6 +192,7 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("named", NAMED, np.float32),
         Observation("restarts", RESTARTS, np.float64),
         Observation("search", SEARCH, np.float32),
+        Observation("distribution", DISTRIBUTION, np.float64),
         Observation("theory", THEORY, np.float64),
         Observation("theory-scaled", THEORY_SCALED, np.float32),
     )

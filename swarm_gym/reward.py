@@ -7,6 +7,7 @@
 | `final-gap` | -log(final gap) at the end, minus the cost of every step |
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
 | `anytime` | -log10(gap, at least 1e-8) times the share of the budget that the iteration spent |
+| `anytime-and-end` | `anytime`, and -log10(gap, at least 1e-8) once more at the end of the episode |
 | `offline-error` | -100 * optimality gap, averaged since the first event, minus the cost of every step |
 | `detour` | -100 * detour of a robot at the end, minus the cost of every step |
 | `runtime` | -evaluations of the iteration / length of the bit string |
@@ -64,7 +65,7 @@ class Transition(NamedTuple):
             at the target; rewards that do not need them never call it.
         budget_shares: function that returns two arrays (B,), the shares of the evaluation budget that the
             reward of this iteration counts with the gap of the first population and with the gap after it;
-            only the reward `anytime` calls it.
+            only the rewards `anytime` and `anytime-and-end` call it.
         xp: namespace of the arrays, whose functions rewards use: the module `numpy` or one of tensors, see
             `swarm_gym.arrays`.
     """
@@ -138,6 +139,17 @@ def anytime(transition: Transition) -> Floats:
     return -(first * before + later * now)
 
 
+def anytime_and_end(transition: Transition) -> Floats:
+    """Return the reward `anytime`, and -log10(gap, at least 1e-8) once more at the end of the episode.
+
+    Over an episode the sum is minus the mean of log10(gap) over the budget, minus log10 of the final gap.
+    Evaluations have no other price.
+    """
+    xp = transition.xp
+    end = log(at_least(xp, transition.gap_after, LEAST_GAP), xp) / LOG_TEN
+    return anytime(transition) - xp.where(transition.ended, end, 0.0)
+
+
 def detour(transition: Transition) -> Floats:
     """Return minus the detour of a robot in percent at the end and 0 before it, minus the cost of every step.
 
@@ -204,6 +216,7 @@ REWARDS: dict[str, Reward] = {
     "final-gap": final_gap,
     "optimality": optimality,
     "anytime": anytime,
+    "anytime-and-end": anytime_and_end,
     "offline-error": offline_error,
     "detour": detour,
     "runtime": runtime,
@@ -215,7 +228,7 @@ NEED_ROBOTS = ("detour",)
 # Rewards that need bit strings.
 NEED_BITS = ("runtime",)
 # Rewards that need a budget of evaluations.
-NEED_A_BUDGET = ("anytime",)
+NEED_A_BUDGET = ("anytime", "anytime-and-end")
 
 
 def make_reward(name: str) -> Reward:

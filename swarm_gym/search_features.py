@@ -11,11 +11,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.elementary import log, log1p
-from swarm_gym.features import LOG_TEN, SCALED, Feature, log_size, spent_share
+from swarm_gym.compiler.elementary import log, log1p, power
+from swarm_gym.features import LOG_TEN, RESTARTS, SCALED, Feature, log_size, spent_share
 from swarm_gym.history import COLUMN
 from swarm_gym.optimizers.cma_es import state as cma
 from swarm_gym.optimizers.cma_es.cma_es import CmaEs
+from swarm_gym.optimizers.cma_es.movement import BETA, LONGEST
 from swarm_gym.optimizers.cma_es.rates import write_weights
 from swarm_gym.optimizers.differential_evolution import (
     ARCHIVE_USE,
@@ -195,4 +196,32 @@ SEARCH = (
     _feature("mean scale factor in the memory", _of_evolution(MEAN_FACTOR)),
     _feature("mean crossover rate in the memory", _of_evolution(MEAN_CROSSOVER)),
     _feature("share of the archive that is filled", _of_evolution(ARCHIVE_USE)),
+)
+
+# Names of the features by which the rule `psa` follows the distribution.
+MOVEMENT, MOVEMENT_EXPECTED = "squared length of the movement's path", "the same where selection is random"
+DIMENSION = "dimension of the decision vectors"
+
+
+def _movement(simulation: Simulation) -> Floats:
+    return simulation.swarms.field[:, cma.MOVEMENT]
+
+
+def _movement_expected(simulation: Simulation) -> Floats:
+    """Return (B,) gamma_theta: 0 after a restart, and soon 1."""
+    generations = simulation.swarms.registers[:, cma.GENERATION]
+    return 1.0 - power((1.0 - BETA) ** 2, generations.astype(np.float64))
+
+
+# How far the distribution of CMA-ES moves, see `swarm_gym.optimizers.cma_es.movement`.
+DISTRIBUTION = (
+    *RESTARTS,
+    _feature(MOVEMENT, _of_cma(_movement), high=LONGEST),
+    _feature(MOVEMENT_EXPECTED, _of_cma(_movement_expected)),
+    Feature(
+        DIMENSION,
+        lambda simulation: simulation.full(float(simulation.dimension)),
+        lambda simulation: float(simulation.dimension),
+        needs_search=True,
+    ),
 )

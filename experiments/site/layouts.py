@@ -38,6 +38,7 @@ OBSERVATIONS_ARE_FOR: Mapping[str, str] = {
     "told": "learners on maps that change, which are told when events come",
     "named": "one policy for several optimizers",
     "restarts": "rules of sizes that follow restarts",
+    "distribution": "the rule of PSA-CMA-ES",
     "search": "learners with CMA-ES or differential evolution",
     "theory": "the rules of OneMax",
     "theory-scaled": "learners on OneMax; the default of `make_vec` there",

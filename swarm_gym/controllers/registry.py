@@ -16,6 +16,7 @@ from swarm_gym.controllers.fixed import Fixed, Random
 from swarm_gym.controllers.immigrants import Periodic, Reaction, Restart
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
+from swarm_gym.controllers.movement_rule import MovementSize
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
 from swarm_gym.controllers.reacting_loop import load_reacting_loop
@@ -147,6 +148,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "status-monitor": StatusMonitor.from_argument,
     "ipop": IncreasingSize.from_argument,
     "bipop": TwoRegimes.from_argument,
+    "psa": MovementSize.from_argument,
     "restart": Restart.from_argument,
     "periodic": Periodic.from_argument,
     "reaction": Reaction.from_argument,

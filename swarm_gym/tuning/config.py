@@ -53,7 +53,8 @@ class TuneConfig:
     reward: str = "final"
     """Measure to minimise: final, the logarithm of the final gap; optimality, the final gap in per cent of
     the optimum; offline-error, that gap averaged over all iterations since the first event on the map;
-    detour, how far robots that drive go above the shortest way, in per cent."""
+    detour, how far robots that drive go above the shortest way, in per cent; anytime, the mean of log10 of
+    the gap over the budget; anytime-and-end, that mean and log10 of the final gap."""
     price: float = 0.5
     """Price of 100,000 evaluations in units of the reward."""
     episodes: int = 24

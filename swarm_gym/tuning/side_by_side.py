@@ -53,29 +53,36 @@ class Outcomes(NamedTuple):
         return found
 
 
-def _logarithmic(simulation: Simulation) -> Floats:
+def _logarithmic(simulation: Simulation, _paid: Floats) -> Floats:
     gap = np.log(simulation.gaps.now() / simulation.worlds.gap_units[simulation.swarms.problem])
     return np.where(simulation.running, 0.0, gap)
 
 
-def _per_cent(simulation: Simulation) -> Floats:
+def _per_cent(simulation: Simulation, _paid: Floats) -> Floats:
     return np.where(simulation.running, 0.0, 100.0 * simulation.gaps.optimality())
 
 
-def _offline_error(simulation: Simulation) -> Floats:
+def _offline_error(simulation: Simulation, _paid: Floats) -> Floats:
     return 100.0 * simulation.gaps.optimality() * offline_weight(simulation)
 
 
-def _detour(simulation: Simulation) -> Floats:
+def _detour(simulation: Simulation, _paid: Floats) -> Floats:
     return np.where(simulation.running, 0.0, 100.0 * np.minimum(simulation.detours(), LARGEST_DETOUR))
 
 
-# Measures of a result, by the name of the reward: what an iteration adds to it, (B,); lower is better.
-LOSSES: dict[str, Callable[[Simulation], Floats]] = {
+def _not_paid(_simulation: Simulation, paid: Floats) -> Floats:
+    return -paid
+
+
+# Measures of a result, by the name of the reward: what an iteration adds to it, (B,), given the simulation
+# after the iteration and the environment's rewards of it, (B,); lower is better.
+LOSSES: dict[str, Callable[[Simulation, Floats], Floats]] = {
     "final": _logarithmic,
     "optimality": _per_cent,
     "offline-error": _offline_error,
     "detour": _detour,
+    "anytime": _not_paid,
+    "anytime-and-end": _not_paid,
 }
 
 
@@ -132,8 +139,8 @@ class SideBySide:
             parts = observations.reshape(count, episodes, -1)
             actions = [controller.act(part) for controller, part in zip(controllers, parts, strict=True)]
             before = ended
-            observations, _, ended = self._swarms.step_running(np.concatenate(actions))
-            losses += np.where(before, 0.0, self._loss(self._simulation))
+            observations, paid, ended = self._swarms.step_running(np.concatenate(actions))
+            losses += np.where(before, 0.0, self._loss(self._simulation, paid))
         simulation, swarms = self._simulation, self._simulation.swarms
         losses += simulation.prices.cost(swarms.evaluations)
         names = np.array([simulation.problem_of(row).scenario.name for row in range(len(losses))], np.object_)

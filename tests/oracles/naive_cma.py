@@ -12,6 +12,7 @@ from oracles import naive, naive_sources
 from oracles.naive_swarm import Swarm
 
 LEAST_SHARE = 2.0**-54
+BETA = 0.4  # of PSA-CMA-ES
 
 
 def weights_of(size):
@@ -45,6 +46,19 @@ class Settings:
             self.weights[self.mu :] = share * bad / abs(bad.sum())
         self.chi = math.sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n**2))
 
+    def expected_movement(self, n, gamma_s, gamma_c):
+        """Return the mean squared length of a random step, by the formula of PSA-CMA-ES."""
+        up, down = self.weights[: self.mu], self.weights[self.mu :]
+        noise = gamma_s * (n - self.chi**2) / self.chi**2 * (self.cs / self.ds) ** 2
+        path = self.cc * (2 - self.cc) * self.mueff
+        spread = (
+            self.cmu**2 * (n**2 + n) * (up**2).sum()
+            + self.cmu**2 * (n**2 - n) * (down**2).sum()  # not in the paper, which has no negative weights
+            + self.c1 * self.cmu * (n**2 + n) * path * (up**3).sum()
+            + self.c1**2 * (gamma_c**2 * n**2 + (1 - 2 * gamma_c + 2 * gamma_c**2) * n)
+        )
+        return n / self.mueff + 2 * n * noise + (1 + 8 * noise) * spread / 2
+
 
 class CmaEs(Swarm):
     """A swarm whose `members` are those of the last generation."""
@@ -69,6 +83,7 @@ class CmaEs(Swarm):
         self.sigma, self.covariance, self.root = first_step, np.eye(n), np.eye(n)
         self.step_path, self.covariance_path, self.decay = np.zeros(n), np.zeros(n), 1.0
         self.since_root, self.degenerate, self.stalled = 0, False, False
+        self.movement, self.filled = np.zeros(n + n * n), 0.0
 
     def begin(self, size):
         super().begin(size)
@@ -146,6 +161,7 @@ class CmaEs(Swarm):
         self.mean = self.mean + self.sigma * self.ranges * mean_step
         gain = math.sqrt(rates.cs * (2 - rates.cs) * rates.mueff)
         round_step = np.linalg.solve(self.root, mean_step)
+        former = self.sigma**2 * self.root @ self.root
         self.step_path = (1 - rates.cs) * self.step_path + gain * round_step
         length = np.linalg.norm(self.step_path) / rates.chi
         self.sigma *= math.exp(min(1.0, rates.cs / rates.ds * (length - 1)))
@@ -160,8 +176,20 @@ class CmaEs(Swarm):
         for weight, (_, step, square, _) in zip(weights, ranked, strict=True):
             factor = 1.0 if weight >= 0 else n / square
             self.covariance = self.covariance + rates.cmu * weight * factor * np.outer(step, step)
+        self.filled = (1 - rates.cc) ** 2 * self.filled + moves * rates.cc * (2 - rates.cc)
+        self.move(rates, round_step, former)
         self.since_root += 1
         if self.since_root >= 1 / (10 * n * (rates.c1 + rates.cmu)):
             self.since_root = 0
             values, vectors = np.linalg.eigh(self.covariance)
             self.root = (vectors * np.sqrt(values)) @ vectors.T
+
+    def move(self, rates, round_step, former):
+        """Follow the distribution by the Fisher information of the former one, as in PSA-CMA-ES."""
+        values, vectors = np.linalg.eigh(former)
+        inverse = (vectors / np.sqrt(values)) @ vectors.T
+        change = inverse @ (self.sigma**2 * self.covariance - former) @ inverse
+        step = np.concatenate([round_step, change.ravel() / math.sqrt(2)])
+        expected = rates.expected_movement(self.problem.dimension, 1 - self.decay, self.filled)
+        gain = math.sqrt(BETA * (2 - BETA) / expected)
+        self.movement = (1 - BETA) * self.movement + gain * step

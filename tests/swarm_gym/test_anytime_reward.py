@@ -1,4 +1,4 @@
-"""The reward `anytime`: minus the mean of log10 of the gap over the budget of evaluations."""
+"""The rewards `anytime` and `anytime-and-end`: minus the mean of log10 of the gap over the budget."""
 
 import numpy as np
 import pytest
@@ -10,11 +10,11 @@ from swarm_gym.reward import LEAST_GAP
 from swarm_gym.vector_env import SwarmVectorEnv
 
 
-def episode(budget, sizes, iterations=80, scenario="metabox-bbob:1-10", optimizer="cma-es"):
+def episode(budget, sizes, iterations=80, optimizer="cma-es", reward="anytime"):
     """Return the rewards of an episode with these sizes in turn, and its history."""
     env = SwarmEnv(
-        optimizer, scenario=scenario, iterations=iterations, reward="anytime", max_evaluations=budget,
-        initial_population_size=sizes[0],
+        optimizer, scenario="metabox-bbob:1-10", iterations=iterations, reward=reward,
+        max_evaluations=budget, initial_population_size=sizes[0],
     )  # fmt: skip
     env.reset(seed=1)
     rewards, ended = [], False
@@ -59,6 +59,15 @@ def test_gaps_below_the_least_one_count_as_that():
     assert rewards.sum() == pytest.approx(-mean_over_the_budget(history, 4000), rel=1e-9)
 
 
+@pytest.mark.parametrize(("budget", "iterations"), [(400, 80), (5000, 20), (4000, 500)])
+def test_the_final_gap_counts_once_more_at_the_end(budget, iterations):
+    plain, _ = episode(budget, (10,), iterations)
+    rewards, history = episode(budget, (10,), iterations, reward="anytime-and-end")
+    np.testing.assert_array_equal(rewards[:-1], plain[:-1])
+    final = max(history[-1, COLUMN.best_fitness], LEAST_GAP)
+    assert rewards[-1] - plain[-1] == pytest.approx(-np.log10(final), rel=1e-9)
+
+
 def test_swarms_of_a_vector_are_paid_for_their_own_iterations():
     swarms = SwarmVectorEnv(
         3, "differential-evolution", scenario="metabox-bbob:3-10", iterations=30, reward="anytime",
@@ -74,6 +83,7 @@ def test_swarms_of_a_vector_are_paid_for_their_own_iterations():
         assert total[row] == pytest.approx(-mean_over_the_budget(known, 600), rel=1e-9)
 
 
-def test_without_a_budget_it_is_refused():
-    with pytest.raises(SettingError, match=r"'anytime'.*max_evaluations"):
-        SwarmEnv("cma-es", scenario="metabox-bbob:1-10", reward="anytime")
+@pytest.mark.parametrize("reward", ["anytime", "anytime-and-end"])
+def test_without_a_budget_they_are_refused(reward):
+    with pytest.raises(SettingError, match=rf"'{reward}'.*max_evaluations"):
+        SwarmEnv("cma-es", scenario="metabox-bbob:1-10", reward=reward)

@@ -12,7 +12,15 @@ from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
 CONSTANTS = (10, 20, 40, 80, 160)
 # Recipes of the policies, and how the tables call them.
-RECIPES = {"cma-search": "learned, evolution", "cma-search-ppo": "learned, PPO"}
+RECIPES = {
+    "cma-search": "learned, evolution",
+    "cma-search-longer": "learned, evolution, longer",
+    "cma-search-ppo": "learned, PPO",
+}
+# Iterations of the episodes of each recipe: the budget at its smallest size.
+ITERATIONS = {"cma-search-longer": EVALUATIONS // 10}
+# Rivals that were tuned on the functions for training, with the objective of `cma-search-longer`.
+TUNED = {"cma-constant": "constant tuned", "cma-schedule": "schedule tuned"}
 # Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
 FIRST_SIZE, LAST_SIZE = 180, 4
 REDUCTIONS = (
@@ -45,9 +53,13 @@ def entrants() -> list[Entrant]:
     wide = SizeLimits(2, 2000)
     return [
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
-        *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop")),
+        *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop", "psa")),
         *(
-            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, iterations=1250)
+            Entrant(f"CMA-ES, {label}", CMA_ES, (f"open-loop:{name}",), LIMITS, EVALUATIONS // 10)
+            for name, label in TUNED.items()
+        ),
+        *(
+            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, ITERATIONS.get(recipe, 1250))
             for recipe, label in RECIPES.items()
             if (policies := packaged_seeds(recipe))
         ),

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from experiments.studies.strong.entrants import Entrant
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, SCENARIOS
-from swarm_gym.controllers import make_controller
+from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.files import write_atomically
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.provenance import provenance
@@ -84,5 +84,7 @@ def _run(entrant: Entrant, controller: str, scenario: str, num_runs: int) -> tup
         iterations=entrant.iterations,
         max_evaluations=EVALUATIONS,
         reward="anytime",
+        # The limits of a policy are in its file, and come before these.
+        max_population_size=(entrant.limits or SizeLimits()).largest,
     )
     return episodes.final_fitness, -episodes.returns

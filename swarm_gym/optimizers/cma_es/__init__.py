@@ -1,1 +1,1 @@
-"""CMA-ES: state, weights and rates, sampling, learning, eigenvectors, and signs that it has stalled."""
+"""CMA-ES: state, weights and rates, sampling, learning, movement, eigenvectors, and signs of stalling."""

@@ -13,6 +13,7 @@ from swarm_gym.compiler.elementary import exponential
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, store
 from swarm_gym.optimizers.cma_es.eigen import decompose
+from swarm_gym.optimizers.cma_es.movement import follow_movement
 from swarm_gym.optimizers.cma_es.rates import Rates
 from swarm_gym.optimizers.cma_es.sampling import Offspring, times
 from swarm_gym.optimizers.cma_es.state import (
@@ -60,6 +61,7 @@ def learn(
     """
     width = offspring.ranges.shape[0]
     at, mean_step, scratch = layout(width), np.zeros(width), np.zeros(width)
+    former_step_size = state[STEP_SIZE]
     for r in range(rates.parents):
         first = order[r] * width
         for k in range(dimension):
@@ -78,6 +80,7 @@ def learn(
     if stalls:
         decay += rates.rank_one * rates.path_rate * (2.0 - rates.path_rate)
     _turn_covariance(state, dimension, offspring.steps, order, factors, rates.rank_one, decay, width)
+    follow_movement(state, dimension, scratch, former_step_size, weights, rates, stalls)
     registers[GENERATION] += 1
     registers[SINCE_ROOT] += 1
     lazy = 1.0 / (10.0 * dimension * (rates.rank_one + rates.rank_mu))  # B.2

@@ -18,8 +18,8 @@ Integers = NDArray[np.int64]
 # Numbers of a swarm, columns of `Swarms.field`: the step size sigma in ranges of the initial bounds; the
 # condition number of the covariance; the length of the step size's evolution path relative to its expected
 # length; the product of (1 - c_sigma)^2 since the last restart; best and median fitness of the last
-# generation.
-STEP_SIZE, CONDITION, PATH_LENGTH, DECAY, GENERATION_BEST, GENERATION_MEDIAN = range(6)
+# generation; the squared length of the movement's path, and gamma_c of `movement`.
+STEP_SIZE, CONDITION, PATH_LENGTH, DECAY, GENERATION_BEST, GENERATION_MEDIAN, MOVEMENT, FILLED = range(8)
 _NUM_NUMBERS = 8  # a whole block of lanes
 
 # Counts of a swarm, columns of `Swarms.registers`: size of the next generation; restarts of this episode;
@@ -48,6 +48,8 @@ class Layout(NamedTuple):
     inverse: int  # C x C: inverse of this root
     bests: int  # best fitness of the last generations, a ring
     medians: int  # their median fitness, a ring
+    mean_movement: int  # C columns: path of the movement of the mean, see `movement`
+    movement: int  # C x C: path of the movement of the covariance
     end: int  # number of columns
 
 
@@ -57,6 +59,7 @@ def layout(width: int) -> Layout:
     mean, square = _NUM_NUMBERS, width * width
     covariance = mean + 3 * width
     bests = covariance + 3 * square
+    mean_movement = bests + 2 * LONGEST_HISTORY
     return Layout(
         mean,
         mean + width,
@@ -66,7 +69,9 @@ def layout(width: int) -> Layout:
         covariance + 2 * square,
         bests,
         bests + LONGEST_HISTORY,
-        bests + 2 * LONGEST_HISTORY,
+        mean_movement,
+        mean_movement + width,
+        mean_movement + width + square,
     )
 
 
@@ -75,7 +80,10 @@ def spread_out(state: Floats, registers: Integers, width: int, dimension: int, f
     """Let the distribution be round, with this step size, and forget paths and history."""
     at = layout(width)
     state[STEP_SIZE], state[CONDITION], state[PATH_LENGTH], state[DECAY] = first_step, 1.0, 0.0, 1.0
+    state[MOVEMENT] = state[FILLED] = 0.0
     for k in range(at.step_path, at.bests):
+        state[k] = 0.0
+    for k in range(at.mean_movement, at.end):
         state[k] = 0.0
     for k in range(dimension):
         for first in (at.covariance, at.root, at.inverse):

@@ -24,8 +24,9 @@ def row(gap, seeds=1):
 def test_rows_are_constants_rules_and_policies_of_both_optimizers():
     names = [entrant.name for entrant in entrants()]
     assert len(set(names)) == len(names)
-    assert names[:7] == [
-        *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP"
+    assert names[:10] == [
+        *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP",
+        "CMA-ES, PSA", "CMA-ES, constant tuned", "CMA-ES, schedule tuned",
     ]  # fmt: skip
     assert names[-3:] == ["L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100"]
 

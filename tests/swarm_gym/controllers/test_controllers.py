@@ -37,6 +37,7 @@ ARGUMENTS = {
     "nlpsr": ["", "start=120,smallest=20"],
     "bipop": ["", "start=6,factor=3"],
     "ipop": ["", "start=6,factor=1.5,repair_degree=0.2"],
+    "psa": ["", "start=6,threshold=2,repair_degree=0.2"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
     "learned": policies_on_maps(),
     "reacting-loop": ["three-cases", "three-cases-sourced/0@1"],
@@ -218,7 +219,8 @@ def test_controllers_that_decide_differently_have_different_identities():
         "spsfa-tip:decay=0.5",
         "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2", "nlpsr",
         "diversity-ladder", "status-monitor",
-        "ipop", "ipop:factor=3", "bipop", "restart", "restart:patience=3", "periodic", "reaction",
+        "ipop", "ipop:factor=3", "bipop", "psa", "psa:threshold=2",
+        "restart", "restart:patience=3", "periodic", "reaction",
         "open-loop:three-cases", "reacting-loop:three-cases", "distilled:three-cases",
         "learned:three-cases/0@1", "learned:three-cases/0@2", "learned:three-cases/1@1", "learned:case1/0@1",
     ]  # fmt: skip

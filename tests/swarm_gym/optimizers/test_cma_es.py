@@ -18,6 +18,7 @@ from swarm_gym.optimizers.cma_es.state import (
     CONDITION,
     GENERATION,
     LONGEST_HISTORY,
+    MOVEMENT,
     NO_REASON,
     NUM_COUNTS,
     PATH_LENGTH,
@@ -51,6 +52,7 @@ def assert_same_state(swarms, twin):
     np.testing.assert_allclose(covariance, twin.covariance, rtol=1e-8, atol=1e-10)
     np.testing.assert_allclose(swarms.field[0, STEP_SIZE], twin.sigma, rtol=1e-9)
     assert swarms.registers[0, RESTARTS] == twin.restarts
+    np.testing.assert_allclose(swarms.field[0, MOVEMENT], np.sum(twin.movement**2), rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint"])

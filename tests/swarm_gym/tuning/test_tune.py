@@ -16,6 +16,7 @@ from swarm_gym.controllers.parameters import format_parameters
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.env import SwarmEnv
 from swarm_gym.observation import make_observation
+from swarm_gym.reward import NEED_A_BUDGET
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.runs.seeds import TRAINING_START, training_seed
 from swarm_gym.tuning.config import TuneConfig
@@ -90,11 +91,14 @@ def test_candidates_meet_the_same_episodes_as_in_the_single_environment_whatever
     ],
 )
 def test_the_loss_is_the_return_with_the_sign_turned_up_to_a_constant_of_the_episode(reward, scenario):
-    config = TuneConfig(**{**TINY, "scenarios": (scenario,)}, price=0.5, reward=reward)
+    # Rewards that need a budget do not charge for evaluations.
+    price, budget = (0.0, 90) if reward in NEED_A_BUDGET else (0.5, 0)
+    given = {**TINY, "scenarios": (scenario,), "max_evaluations": budget}
+    config = TuneConfig(**given, price=price, reward=reward)
     controllers = [OpenLoop(Knots(6, [0], [float(size)], [0.5])) for size in (3, 11)]
     outcomes = SideBySide(config, 2, "paper", "natural").run(controllers, seed=TRAINING_START)
     for episode in range(4):
-        options = {"price": 0.5, "reward": reward}
+        options = {"price": price, "reward": reward, "max_evaluations": budget or None}
         earned = [play(c, scenario, TRAINING_START + episode, **options)[1] for c in controllers]
         difference = outcomes.losses[0, episode] - outcomes.losses[1, episode]
         assert earned[1] - earned[0] == pytest.approx(difference, rel=1e-9)
