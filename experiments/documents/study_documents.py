@@ -39,9 +39,9 @@ ONE_MAX = (
 )  # fmt: skip
 # Constants of CMA-ES around the best one, restarts, policies, and two rules of L-SHADE.
 STRONG = (
-    "CMA-ES, lambda 10", "CMA-ES, lambda 20", "CMA-ES, lambda 40", "CMA-ES, lambda 80", "CMA-ES, IPOP",
-    "CMA-ES, BIPOP", "CMA-ES, learned, evolution", "CMA-ES, learned, PPO", "L-SHADE, linear",
-    "L-SHADE, nlpsr",
+    "CMA-ES, lambda 20", "CMA-ES, lambda 40", "CMA-ES, lambda 80", "CMA-ES, BIPOP", "CMA-ES, PSA",
+    "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, learned, evolution",
+    "CMA-ES, learned, evolution, longer", "L-SHADE, nlpsr",
 )  # fmt: skip
 # The rows of README.md, and for each kind of optimizer others with other first members or sizes.
 CASES = (
