@@ -84,7 +84,7 @@ def test_the_page_of_an_environment_states_the_shape_of_actions(name, pages):
 def test_a_layout_that_an_optimizer_cannot_have_stands_there_with_the_reason(pages):
     assert "| `sourced` | – | – | refused: action 'sourced': smooth new" in pages["environments/glowworm.md"]
     lines = [line for line in pages["environments/firefly.md"].splitlines() if "refused:" in line]
-    # Layouts of optimizers that begin anew, have a memory or a distribution, and of bit strings; rewards of budgets.
+    # Layouts of optimizers that begin anew, remember or have a distribution; of bit strings; of budgets.
     refused = ["restarts", "search", "distribution", "theory", "theory-scaled"]
     assert [name for line in lines if not (name := line.split("`")[1]).startswith("anytime")] == refused
 
