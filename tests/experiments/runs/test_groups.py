@@ -15,6 +15,7 @@ from experiments.studies.learned.suites import NEVER_USED as NEWEST
 from experiments.studies.newcomers.suites import NEVER_USED
 from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
+from experiments.studies.strong.entrants import TUNED
 from helpers.adapted import ADAPTED, missing
 from helpers.shipped import policies_of_wishes, policies_on_maps
 from swarm_gym.comparing.entrants import entrant
@@ -135,8 +136,9 @@ def test_policies_that_ship_are_in_a_suite():
     assert {f"learned:{name}" for name in (*policies_on_maps(), *policies_of_wishes())} == learned
     # A reacting loop is an open loop that begins again.
     loops = {name.replace("reacting-loop:", "open-loop:") for name in run}
-    # Loops over terrain are rows of a study of its own, `experiments.terrain`.
-    on_maps = {f"open-loop:{name}" for name in packaged_open_loops() if not name.startswith("terrain-")}
+    # Loops over terrain and of CMA-ES are rows of `experiments.terrain` and of `experiments.strong`.
+    others = ("terrain-", *TUNED)
+    on_maps = {f"open-loop:{name}" for name in packaged_open_loops() if not name.startswith(others)}
     assert on_maps <= loops
 
 

@@ -110,7 +110,7 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*valid: spsfa, spsfa-tip.*in all"),
+        ("spfsa", UnknownNameError, "spfsa.*valid: spsfa, psa, spsfa-tip.*in all"),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, e.g. fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
