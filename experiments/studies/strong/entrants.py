@@ -18,7 +18,11 @@ RECIPES = {
     "cma-search-ppo": "learned, PPO",
 }
 # Iterations of the episodes of each recipe: the budget at its smallest size.
-ITERATIONS = {"cma-search-longer": EVALUATIONS // 10}
+ITERATIONS = {
+    "cma-search": EVALUATIONS // 16,
+    "cma-search-longer": EVALUATIONS // 10,
+    "cma-search-ppo": EVALUATIONS // 16,
+}
 # Rivals that were tuned on the functions for training, with the objective of `cma-search-longer`.
 TUNED = {"cma-constant": "constant tuned", "cma-schedule": "schedule tuned"}
 # Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
@@ -55,11 +59,13 @@ def entrants() -> list[Entrant]:
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
         *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop", "psa")),
         *(
-            Entrant(f"CMA-ES, {label}", CMA_ES, (f"open-loop:{name}",), LIMITS, EVALUATIONS // 10)
+            Entrant(
+                f"CMA-ES, {label}", CMA_ES, (f"open-loop:{name}",), LIMITS, ITERATIONS["cma-search-longer"]
+            )
             for name, label in TUNED.items()
         ),
         *(
-            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, ITERATIONS.get(recipe, 1250))
+            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, ITERATIONS[recipe])
             for recipe, label in RECIPES.items()
             if (policies := packaged_seeds(recipe))
         ),

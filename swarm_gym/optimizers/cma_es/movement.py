@@ -6,7 +6,7 @@ by its expected length where selection is random. An evolution path adds such st
 steps agree, and its squared length is near 1 where they are random.
 
 The expected length there is for weights that are not negative. The term of negative weights is a reading, see
-docs/readings-optimizers.md.
+docs/readings.md.
 """
 
 import math
