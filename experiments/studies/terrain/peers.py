@@ -2,9 +2,13 @@
 
 A peer sees vectors in [0, 1]^D, whose bounds are those of the encoding. Evaluations count alike: a call of
 the cost function is one, also in the first population.
+
+mealpy asks for NumPy 1.26 or older, so no installation of this package brings it. It works with newer ones,
+and its rows are there where `pip install --no-deps mealpy` was called.
 """
 
 from collections.abc import Callable, Mapping
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -102,13 +106,45 @@ def _niapy(make: Callable[[int], Algorithm]) -> Callable[[Counted, int], None]:
     return run
 
 
+def _mealpy(swarm: str) -> Callable[[Counted, int], None]:
+    """Return a run of an algorithm of mealpy, with the population size that the library has for it."""
+
+    def run(cost: Counted, seed: int) -> None:
+        from mealpy import FloatVar
+        from mealpy.evolutionary_based.SHADE import L_SHADE
+        from mealpy.swarm_based.PSO import OriginalPSO
+
+        make = {"PSO": OriginalPSO, "L-SHADE": L_SHADE}[swarm]
+        # L-SHADE shrinks until the last of these iterations; the library ends a run between two of them.
+        iterations = max(1, cost.left // make().pop_size)
+        bounds = FloatVar(lb=[0.0] * cost.dimension, ub=[1.0] * cost.dimension)
+        flight = {"obj_func": cost, "bounds": bounds, "minmax": "min", "log_to": None}
+        before = np.random.get_state()  # noqa: NPY002
+        np.random.seed(seed)  # noqa: NPY002  # L-SHADE draws some numbers from NumPy's own generator
+        try:
+            make(epoch=iterations).solve(flight, seed=seed)
+        finally:
+            np.random.set_state(before)  # noqa: NPY002
+
+    return run
+
+
 PEERS: Mapping[str, Callable[[Counted, int], None]] = {
     "cmaes CMA-ES": _cmaes,
     "pymoo PSO": _pymoo(PSO),
     "pymoo DE": _pymoo(DE),
     "niapy PSO": _niapy(lambda seed: ParticleSwarmOptimization(seed=seed)),
     "niapy L-SHADE": _niapy(lambda seed: LpsrSuccessHistoryAdaptiveDifferentialEvolution(seed=seed)),
+    "mealpy PSO": _mealpy("PSO"),
+    "mealpy L-SHADE": _mealpy("L-SHADE"),
 }
+OPTIONAL = "mealpy"  # a library whose rows are there where it is
+
+
+def installed_peers() -> list[str]:
+    """Return the peers whose libraries are installed."""
+    missing = find_spec(OPTIONAL) is None
+    return [peer for peer in PEERS if not (missing and peer.startswith(f"{OPTIONAL} "))]
 
 
 def best_flight(peer: str, problem: Problem, evaluations: int, seed: int) -> tuple[float, Floats]:

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from experiments.studies.terrain.peers import PEERS
+from experiments.studies.terrain.peers import installed_peers
 
 # Population sizes, as published where papers have one; CMA-ES has its default for 20 components.
 SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20, "multivariate": 20}
@@ -103,5 +103,5 @@ def swarm_rows() -> list[AnyRow]:
 
 
 def peer_rows() -> list[AnyRow]:
-    """Return the rows of other libraries."""
-    return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in PEERS]
+    """Return the rows of other libraries that are installed."""
+    return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in installed_peers()]
