@@ -7,10 +7,10 @@ import pytest
 
 from experiments import terrain as command
 from experiments.documents.records import records_in
-from experiments.studies.terrain import best_known, measured_costs
+from experiments.studies.terrain import best_known, measured_costs, peers
 from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, learned_rows, rows
 from experiments.studies.terrain.measured_costs import Asked, measure
-from experiments.studies.terrain.peers import PEERS, Counted, best_flight
+from experiments.studies.terrain.peers import PEERS, Counted, best_flight, installed_peers
 from experiments.studies.terrain.rows import PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
@@ -152,7 +152,13 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
     assert objective(np.full(3, np.e)) == pytest.approx(100.0)
 
 
-@pytest.mark.parametrize("peer", PEERS)
+def test_rows_of_a_library_that_is_not_installed_are_left_out(monkeypatch):
+    monkeypatch.setattr(peers, "find_spec", lambda name: None)
+    assert [peer for peer in PEERS if peer not in installed_peers()] == ["mealpy PSO", "mealpy L-SHADE"]
+    assert not any("mealpy" in row.name for row in rows())
+
+
+@pytest.mark.parametrize("peer", installed_peers())
 def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrain, tmp_path):
     row = PeerRow(peer, "waypoints")
     costs = measure(row, little_terrain, ASKED, tmp_path)
@@ -167,7 +173,7 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
 
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
-    assert len(rows()) == 4 * len(SIZES) + 2 * len(PEERS) + 3 + 6 + len(learned_rows()) + 1
+    assert len(rows()) == 4 * len(SIZES) + 2 * len(installed_peers()) + 3 + 6 + len(learned_rows()) + 1
 
 
 def test_the_command_refuses_by_name(tmp_path):
