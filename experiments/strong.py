@@ -1,9 +1,10 @@
 """Compare CMA-ES and L-SHADE with the published table of MetaBox-v2: `python -m experiments.strong`.
 
 The rows are constants, rules and trained policies. Their runs are kept in a folder, and a later call goes on
-from there. With 11 runs on each function, all rows take about an hour on one core.
+from there. With --bbob, rows of CMA-ES run on the functions of BBOB in several dimensions instead.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import tyro
 
 from experiments.documents.digests import digests_of_strong
 from experiments.documents.records import commits_in, record_of, write_record
-from experiments.studies.strong.entrants import entrants
+from experiments.studies.strong.entrants import Entrant, entrants, entrants_on_bbob
+from experiments.studies.strong.grounds import COMPARED, OTHERS, bbob
 from experiments.studies.strong.measured_gaps import measure_all
+from experiments.studies.strong.on_bbob import on_bbob
 from experiments.studies.strong.published import RUNS
 from experiments.studies.strong.tables_of_gaps import tables
 from swarm_gym.checks import require_integer
@@ -29,6 +32,8 @@ class StrongConfig:
     """Number of runs of each training seed on each function; the published table has 51."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. BIPOP 'lambda 40'; by default all rows."""
+    bbob: bool = False
+    """Run the rows of CMA-ES on the 24 functions of BBOB in 3, 5, 10, 20 and 40 dimensions."""
 
 
 def write(config: StrongConfig) -> list[Path]:
@@ -39,17 +44,30 @@ def write(config: StrongConfig) -> list[Path]:
         ValueError: if no row has such a name.
     """
     require_integer("runs", config.runs, 2)
-    every = entrants()
-    chosen = [one for one in every if not config.rows or any(part in one.name for part in config.rows)]
-    if not chosen:
-        names = ", ".join(one.name for one in every)
-        raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
+    if config.bbob:
+        return _write_on_bbob(config)
+    chosen = _chosen(config, entrants())
     made = tables(measure_all(chosen, config.runs, config.output / "runs"))
     commits = commits_in((config.output / "runs").glob("*.json"))
     write_record(record_of("strong-optimizers", commits, digests_of_strong()), config.output)
     for table in made:
         table.write(config.output)
     return [config.output / f"{table.name}.md" for table in made]
+
+
+def _write_on_bbob(config: StrongConfig) -> list[Path]:
+    chosen, folder = _chosen(config, entrants_on_bbob()), config.output / "runs"
+    table = on_bbob({d: measure_all(chosen, config.runs, folder, bbob(d)) for d in (*COMPARED, *OTHERS)})
+    table.write(config.output)
+    return [config.output / f"{table.name}.md"]
+
+
+def _chosen(config: StrongConfig, every: Sequence[Entrant]) -> list[Entrant]:
+    chosen = [one for one in every if not config.rows or any(part in one.name for part in config.rows)]
+    if not chosen:
+        names = ", ".join(one.name for one in every)
+        raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
+    return chosen
 
 
 def main() -> None:

@@ -4,9 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.evaluation.masking import load_blinded
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.published import EVALUATIONS
-from swarm_gym.controllers import SizeLimits
+from swarm_gym.controllers import SizeLimits, make_controller
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
@@ -81,6 +84,28 @@ def entrants() -> list[Entrant]:
         ),
         Entrant("L-SHADE, N = 100", L_SHADE, ("fixed:100",)),
     ]
+
+
+def entrants_on_bbob() -> list[Entrant]:
+    """Return the rows of CMA-ES, and its policies blinded. Sizes of L-SHADE here are for ten dimensions."""
+    found = [one for one in entrants() if one.optimizer == CMA_ES]
+    blinded = [
+        one._replace(
+            name=f"{one.name}, blinded",
+            controllers=tuple(name.replace("learned:", f"{BLINDED}:") for name in one.controllers),
+        )
+        for one in found
+        if one.limits is None
+    ]
+    return [*found, *blinded]
+
+
+def controller_of(entrant: Entrant, name: str) -> Controller:
+    """Return a controller of a row by its name."""
+    parts = ControllerName.parse(name)
+    if parts.family == BLINDED:
+        return load_blinded(parts.argument)
+    return make_controller(name, entrant.limits)
 
 
 def _reduction(rule: str) -> str:

@@ -1,4 +1,4 @@
-"""Gaps of this study's rows on MetaBox's functions for tests, in files that a later call goes on from."""
+"""Gaps of this study's rows on test functions, in files that a later call goes on from."""
 
 import json
 from collections.abc import Iterable
@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from experiments.studies.strong.entrants import Entrant
-from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, SCENARIOS
-from swarm_gym.controllers import SizeLimits, make_controller
+from experiments.studies.strong.entrants import Entrant, controller_of
+from experiments.studies.strong.grounds import METABOX, Ground
+from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS
+from swarm_gym.controllers import SizeLimits
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.provenance import provenance
@@ -32,57 +34,69 @@ class Measured(NamedTuple):
     anytime: Floats
 
 
-def measure(entrant: Entrant, num_runs: int, folder: Path) -> Measured:
+def measure(entrant: Entrant, num_runs: int, folder: Path, ground: Ground = METABOX) -> Measured:
     """Return the gaps of a row; what is in the folder is not run again, and the rest is written there.
 
     Args:
         entrant: the row.
         num_runs: number of runs of each training seed on each function.
         folder: folder of the files, one for each controller.
+        ground: the functions.
     """
-    parts = [_measure_one(entrant, controller, num_runs, folder) for controller in entrant.controllers]
+    parts = [
+        _measure_one(entrant, controller, num_runs, folder, ground) for controller in entrant.controllers
+    ]
     return Measured(np.stack([part.final for part in parts]), np.stack([part.anytime for part in parts]))
 
 
-def measure_all(entrants: Iterable[Entrant], num_runs: int, folder: Path) -> dict[str, Measured]:
+def measure_all(
+    entrants: Iterable[Entrant], num_runs: int, folder: Path, ground: Ground = METABOX
+) -> dict[str, Measured]:
     """Return the gaps of all rows by their names."""
-    bar = tqdm([*entrants], desc="rows", unit="row")
-    return {entrant.name: measure(entrant, num_runs, folder) for entrant in bar}
+    bar = tqdm([*entrants], desc=f"rows {ground.name}".rstrip(), unit="row")
+    return {entrant.name: measure(entrant, num_runs, folder, ground) for entrant in bar}
 
 
-def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path) -> Measured:
+def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path, ground: Ground) -> Measured:
     """Return the gaps of one controller, arrays (functions, runs)."""
-    asked = {
+    made = controller_of(entrant, controller)
+    asked: dict[str, object] = {
         "optimizer": entrant.optimizer,
         "controller": controller,
-        "identity": repr(make_controller(controller, entrant.limits).identity()),
-        "iterations": entrant.iterations,
+        "identity": repr(made.identity()),
+        "iterations": entrant.iterations * ground.evaluations // EVALUATIONS,
         "runs": num_runs,
     }
-    name = "".join(letter if letter.isalnum() else "-" for letter in f"{entrant.optimizer}-{controller}")
+    if ground.name:
+        asked |= {"scenarios": list(ground.scenarios), "evaluations": ground.evaluations}
+    parts = (ground.name, entrant.optimizer, controller)
+    name = "".join(letter if letter.isalnum() else "-" for letter in "-".join(filter(None, parts)))
     file = folder / f"{name}-{num_runs}.json"
     if file.is_file():
         stored = json.loads(file.read_text(encoding="utf-8"))
         if stored["asked"] == asked:
             return Measured(np.array(stored["final"]), np.array(stored["anytime"]))
-    found = [_run(entrant, controller, scenario, num_runs) for scenario in SCENARIOS]
+    found = [_run(entrant, made, scenario, num_runs, ground) for scenario in ground.scenarios]
     measured = Measured(*(np.stack(part) for part in zip(*found, strict=True)))
     lists = {name: part.tolist() for name, part in measured._asdict().items()}
-    content = {"asked": asked, "functions": FUNCTIONS, **lists, "provenance": provenance()}
+    named = {} if ground.name else {"functions": FUNCTIONS}
+    content = {"asked": asked, **named, **lists, "provenance": provenance()}
     folder.mkdir(parents=True, exist_ok=True)
     write_atomically(file, json.dumps(content) + "\n")
     return measured
 
 
-def _run(entrant: Entrant, controller: str, scenario: str, num_runs: int) -> tuple[Floats, Floats]:
+def _run(
+    entrant: Entrant, controller: Controller, scenario: str, num_runs: int, ground: Ground
+) -> tuple[Floats, Floats]:
     """Return gaps at the end and anytime, both (runs,), on one function."""
     episodes = run_episodes(
-        make_controller(controller, entrant.limits),
+        controller,
         scenario,
         TEST[:num_runs],
         entrant.optimizer,
-        iterations=entrant.iterations,
-        max_evaluations=EVALUATIONS,
+        iterations=entrant.iterations * ground.evaluations // EVALUATIONS,
+        max_evaluations=ground.evaluations,
         reward="anytime",
         # The limits of a policy are in its file, and come before these.
         max_population_size=(entrant.limits or SizeLimits()).largest,

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from experiments.studies.strong import measured_gaps
-from experiments.studies.strong.entrants import LAST_SIZE, Entrant, entrants
+from experiments.studies.strong.entrants import LAST_SIZE, Entrant, entrants, entrants_on_bbob
+from experiments.studies.strong.grounds import bbob
 from experiments.studies.strong.measured_gaps import Measured, measure
+from experiments.studies.strong.on_bbob import CONSTANT, SCHEDULE, on_bbob
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, best_of
 from experiments.studies.strong.tables_of_gaps import gaps_of, tables
 from swarm_gym.rollout import Episodes
@@ -61,6 +63,44 @@ def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
     measure(entrant, RUNS + 1, tmp_path)
     assert len(asked) == 6 * len(FUNCTIONS)
     assert {json.loads(file.read_text())["asked"]["runs"] for file in tmp_path.iterdir()} == {3, 4}
+
+
+def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimension(tmp_path, monkeypatch):
+    names = [one.name for one in entrants_on_bbob()]
+    assert "CMA-ES, learned, evolution, blinded" in names
+    assert not any("L-SHADE" in name for name in names)
+    asked = []
+
+    def run(controller, scenario, seeds, optimizer, **options):
+        asked.append((scenario, options["iterations"], options["max_evaluations"]))
+        gap = np.ones(len(seeds))
+        return Episodes(gap, gap, gap, gap[:, None], gap[:, None])
+
+    monkeypatch.setattr(measured_gaps, "run_episodes", run)
+    entrant = Entrant("a row", "cma-es", ("fixed:10",), iterations=1000)
+    assert measure(entrant, 3, tmp_path, bbob(5)).final.shape == (1, 48, 3)
+    assert asked[:3] == [(f"function:bbob-{name}", 500, 10_000) for name in ("1-5-101", "1-5-102", "2-5-101")]
+    measure(entrant, 3, tmp_path, bbob(20))
+    measure(entrant, 3, tmp_path, bbob(5))
+    assert len(asked) == 2 * 48  # the last ones were kept
+
+
+def test_differences_on_bbob_are_to_blind_rivals_over_three_dimensions():
+    def rows(dimension):
+        gaps = np.full((1, 48, 4), 10.0**-dimension)
+        constant = Measured(10.0 * gaps, np.log10(gaps) + 2.0)
+        learned = Measured(np.tile(gaps, (2, 1, 1)), np.tile(np.log10(gaps), (2, 1, 1)))
+        return {CONSTANT: constant, SCHEDULE: constant, "CMA-ES, learned, PPO": learned}
+
+    table = on_bbob({dimension: rows(dimension) for dimension in (3, 5, 10, 20, 40)})
+    constant, _, learned = table.rows
+    assert str(constant[2]) == "–"
+    # Gaps below 1e-8 count as equal: of 1e-10 and 1e-9, and of 1e-20 and 1e-19.
+    assert learned[1].numbers["value"] == pytest.approx(-(5 + 8 + 8) / 3)
+    assert learned[2].numbers == pytest.approx({"value": -1 / 3, "low": -1 / 3, "high": -1 / 3})
+    assert learned[3].numbers["value"] == pytest.approx(-1 / 3)
+    assert learned[5].numbers["value"] == pytest.approx(-2.0)
+    assert [cell.numbers["value"] for cell in learned[6:]] == [-3.0, -8.0]
 
 
 def test_the_short_table_counts_functions_and_means():

@@ -1,0 +1,40 @@
+"""The functions on which rows of this study are compared: MetaBox's, and those of BBOB by dimension."""
+
+from typing import NamedTuple
+
+from experiments.studies.strong.published import EVALUATIONS, SCENARIOS
+
+# Dimensions of BBOB's functions. Policies were trained in ten; intervals are over the first three.
+COMPARED = (5, 10, 20)
+OTHERS = (3, 40)
+# Instances which no training, tuning or suite has.
+INSTANCES = (101, 102)
+NUM_FUNCTIONS = 24
+EVALUATIONS_PER_DIMENSION = 2_000  # those of MetaBox's functions in ten dimensions
+
+
+class Ground(NamedTuple):
+    """Functions, and the budget that a run has on each.
+
+    Attributes:
+        name: part of the names of files; empty for MetaBox's functions.
+        scenarios: names of the scenarios.
+        evaluations: evaluations of a run.
+    """
+
+    name: str
+    scenarios: tuple[str, ...]
+    evaluations: int
+
+
+METABOX = Ground("", tuple(SCENARIOS), EVALUATIONS)
+
+
+def bbob(dimension: int) -> Ground:
+    """Return the functions of BBOB in a dimension, instance after instance of each function."""
+    scenarios = tuple(
+        f"function:bbob-{function}-{dimension}-{instance}"
+        for function in range(1, NUM_FUNCTIONS + 1)
+        for instance in INSTANCES
+    )
+    return Ground(f"bbob-{dimension}", scenarios, EVALUATIONS_PER_DIMENSION * dimension)
