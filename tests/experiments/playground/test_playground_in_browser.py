@@ -16,8 +16,6 @@ axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "playground.md"
 WIDE = {"width": 1400, "height": 900}
-SIZES = pytest.mark.parametrize("viewport", [PHONE, WIDE], ids=["phone", "wide"])
-COLOURS = pytest.mark.parametrize("color_scheme", ["light", "dark"])
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,6 @@ from swarm_gym.vector_env import SwarmVectorEnv
 
 MAPS = {"analytic": {"scenario": "case3"}, "grid": {"scenario": "rooms:0", "encoding": "bezier"}}
 both = pytest.mark.parametrize("kind", MAPS)
-all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
 
 
 # Ants walk over maps without cells in small steps, which takes long.

@@ -28,7 +28,6 @@ from swarm_gym.population import Swarms
 from swarm_gym.registration import environment_id
 
 all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
-with_an_oracle = pytest.mark.parametrize("optimizer", naive_optimizers.NAIVE)
 ADOPTING = [name for name in OPTIMIZERS if get_optimizer(name).adopts]
 
 # (size, repair degree) of steps: growing and shrinking, within regions of MOA and across them.
