@@ -153,15 +153,34 @@ def decisions():
             yield f"identity of {name}", np.frombuffer(identity, dtype=np.uint8)
 
 
+def of_each_family(recipes):
+    """Return the last recipe of each family, whose names begin alike: ones with an addition come before."""
+    return [*{name.partition("-")[0]: name for name in recipes}.values()]
+
+
 def episodes():
-    """Yield the results of an episode of one policy of each recipe, on the first map of its training."""
+    """Yield the results of an episode of one policy of each family of recipes."""
     from swarm_gym.controllers.learned.policy_file import packaged_policies
+
+    yield from _episodes_of(of_each_family(of_each_recipe(packaged_policies())))
+
+
+def other_episodes():
+    """Yield the results of an episode of one policy of each recipe that `episodes` leaves out."""
+    from swarm_gym.controllers.learned.policy_file import packaged_policies
+
+    recipes = of_each_recipe(packaged_policies())
+    yield from _episodes_of([name for name in recipes if name not in of_each_family(recipes)])
+
+
+def _episodes_of(policies):
+    """Yield the results of an episode of each policy, on the first map of its training."""
     from swarm_gym.controllers.registry import load_learned
     from swarm_gym.rollout import run_episodes
     from swarm_gym.scenarios.registry import expand_name
     from swarm_gym.training.config import stored_config
 
-    for name in of_each_recipe(packaged_policies()):
+    for name in policies:
         controller = load_learned(name)
         config = stored_config(controller.manifest)
         first = expand_name(config.scenarios[0])[0]  # a name may stand for hundreds of maps
@@ -174,7 +193,7 @@ def episodes():
 
 PARTS = {
     part.__name__: part
-    for part in (elementary, generators, golden, firefly, environments, decisions, episodes)
+    for part in (elementary, generators, golden, firefly, environments, decisions, episodes, other_episodes)
 }
 
 

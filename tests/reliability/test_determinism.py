@@ -15,6 +15,7 @@ from gymnasium.vector import AutoresetMode
 
 from helpers.builders import options_for
 from helpers.newcomers import PATH_OPTIMIZERS
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -73,7 +74,9 @@ def test_episodes_are_the_same_in_any_vector_width_with_any_number_of_threads(
     assert_same_in_a_vector(singles.get, width, num_threads=threads)
 
 
-@pytest.mark.parametrize("optimizer", OPTIMIZERS)
+@pytest.mark.parametrize(
+    "optimizer", slow_but([name for name in OPTIMIZERS if name != "ant-colony"], OPTIMIZERS)
+)
 def test_every_optimizer_has_the_same_episodes_in_a_vector_as_alone(optimizer):
     assert_same_in_a_vector(lambda seed: alone(seed, optimizer), 5, optimizer=optimizer)
 

@@ -15,6 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agents.backends import BackendOptions
+from experiments.choice import Choice
+from experiments.evaluate import EvaluateConfig, evaluate
 from helpers.fingerprints import PARTS
 
 TESTS = Path(__file__).parents[1]
@@ -32,6 +35,8 @@ SETTINGS = {
     "without-special-code": {"NPY_DISABLE_CPU_FEATURES": ALL_FEATURES, "OPENBLAS_CORETYPE": "Nehalem"},
     "without-AVX-512": {"NPY_DISABLE_CPU_FEATURES": NEWEST_FEATURES, "OPENBLAS_CORETYPE": "Haswell"},
 }
+# Fireflies alone are for settings in which all kernels are compiled anew.
+FAST_PARTS = [part for part in PARTS if part not in ("firefly", "other_episodes")]
 GENERIC = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
 
@@ -62,8 +67,8 @@ def assert_same(found, expected):
 
 @pytest.fixture(scope="module")
 def here():
-    """Digests of all parts on this processor."""
-    found = digests_of([part for part in PARTS if part != "firefly"])
+    """Digests of the fast parts on this processor."""
+    found = digests_of(FAST_PARTS)
     assert len(found) > 600
     return found
 
@@ -73,8 +78,16 @@ def here():
     "setting", ["without-special-code", pytest.param("without-AVX-512", marks=pytest.mark.slow)]
 )
 def test_numpy_and_openblas_with_other_instructions_give_the_same_bits(here, setting):
-    parts = [part for part in PARTS if part != "firefly"]
-    assert_same(digests_of(parts, **SETTINGS[setting]), here)
+    assert_same(digests_of(FAST_PARTS, **SETTINGS[setting]), here)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "darwin", reason="OpenBLAS is not what NumPy uses on macOS")
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_episodes_of_all_other_recipes_have_the_same_bits_with_other_instructions(setting):
+    expected = digests_of(["other_episodes"])
+    assert len(expected) > 40
+    assert_same(digests_of(["other_episodes"], **SETTINGS[setting]), expected)
 
 
 def test_kernels_for_any_processor_give_the_same_bits():
@@ -84,8 +97,8 @@ def test_kernels_for_any_processor_give_the_same_bits():
 
 @pytest.mark.slow
 def test_all_kernels_for_any_processor_give_the_same_bits(here):
-    parts = [part for part in PARTS if part != "firefly"]
-    assert_same(digests_of(parts, **GENERIC), here)
+    expected = {**here, **digests_of(["other_episodes"])}
+    assert_same(digests_of([*FAST_PARTS, "other_episodes"], **GENERIC), expected)
 
 
 def test_the_comparison_finds_a_function_that_depends_on_the_processor(here):
@@ -99,18 +112,17 @@ def test_a_results_database_is_continued_on_another_processor(tmp_path):
     names = ["spsfa-tip", "open-loop:three-cases", "reacting-loop:three-cases", "learned:three-cases/0@1"]
 
     def evaluated(seeds, path, **settings):
-        command = ["--controllers", *names, "--scenarios", "case3", "--seeds", str(seeds)]
-        options = [
-            *command,
-            "--no-figures",
-            "--jobs",
-            "1",
-            "--database",
-            str(path),
-            "--output",
-            str(tmp_path),
-        ]
-        run("-m", "experiments.evaluate", *options, **settings)
+        if settings:
+            command = ["--controllers", *names, "--scenarios", "case3", "--seeds", str(seeds), "--no-figures"]
+            options = ["--jobs", "1", "--database", str(path), "--output", str(tmp_path)]
+            run("-m", "experiments.evaluate", *command, *options, **settings)
+        else:  # this process is on this processor, and has imported all that a further one would
+            evaluate(
+                EvaluateConfig(
+                    seeds=seeds, controllers=tuple(names), choice=Choice(scenarios=("case3",)), figures=False,
+                    where=BackendOptions(jobs=1), database=path, output=tmp_path,
+                )
+            )  # fmt: skip
         with closing(sqlite3.connect(path)) as connection:
             return connection.execute(
                 "SELECT controller, seed, seconds, final_fitness, best_path FROM runs ORDER BY 1, 2"

@@ -91,7 +91,7 @@ def test_the_closing_lines_list_every_reason_with_its_number_and_files(run, work
     )
 
 
-@pytest.mark.parametrize("workers", ["0", "2"])
+@pytest.mark.parametrize("workers", ["0", pytest.param("2", marks=pytest.mark.slow)])
 def test_with_the_variable_a_file_that_is_skipped_as_a_whole_is_an_error(run, workers):
     files = {"test_file": FILE, "test_these": "def test_that_needs_nothing(): pass"}
     assert run(None, "-n", workers, **files).ret == pytest.ExitCode.OK

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 
 from helpers.builders import is_walker, slow_if_alike
 from helpers.refusals import refused
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -53,8 +54,8 @@ BUSY_GRID = DynamicScenario(
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": ITERATIONS}
 SEED = 11
 
-# Kernels that evaluate again on cells take seconds to compile; these two remember least and most.
-ON_CELLS = ("firefly", "particle-swarm")
+# Kernels that evaluate again on cells take seconds to compile; other tests need this one, too.
+ON_CELLS = ("firefly",)
 
 all_optimizers = pytest.mark.parametrize("optimizer", [slow_if_alike(name) for name in OPTIMIZERS])
 
@@ -233,7 +234,7 @@ def test_an_event_that_no_iteration_follows_is_refused():
         refused(lambda late=late: small(scenario=late), *words, error=SettingError)
 
 
-@all_optimizers
+@pytest.mark.parametrize("optimizer", slow_but(("firefly", "ant-colony"), OPTIMIZERS))
 def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
     scenario = maps_of(optimizer)[0]
     first = [event for event in scenario.events if event.iteration == 1]

@@ -13,7 +13,7 @@ from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 import swarm_gym  # noqa: F401
 from helpers.builders import is_walker
 from helpers.layouts import OF_SWARMS
-from helpers.loops import looped
+from helpers.loops import named_case
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
@@ -71,6 +71,17 @@ def combinations():
     ]
 
 
+def few_combinations():
+    """Return each layout of an action and of an observation once, and every optimizer with two layouts."""
+    first = environment_id("firefly")
+    chosen = {
+        *((first, action, "scaled") for action in ACTIONS),
+        *((first, "extended", o) for o in OF_SWARMS),
+    }
+    chosen |= {(name, "natural", "paper") for name in IDS} | {(name, "normalised", "paper") for name in IDS}
+    return [one for one in combinations() if one in chosen]
+
+
 def assert_checked(check, name, action, observation, **options):
     """Check an environment; only those that are not scaled get advice, and nothing else is warned of."""
     env = gymnasium.make(name, **SMALL, action=action, observation=observation, max_evaluations=10_000)
@@ -81,16 +92,21 @@ def assert_checked(check, name, action, observation, **options):
     assert [str(w.message) for w in caught if not any(a in str(w.message) for a in advice)] == []
 
 
-@looped(("name", "action", "observation"), combinations())
-def test_gymnasium_checker_passes_with_nothing_but_advice(name, action, observation):
-    # Pictures show neither actions nor observations: once for each optimizer is enough.
-    skipped = (action, observation) != ("natural", "paper")
-    assert_checked(check_env, name, action, observation, skip_render_check=skipped)
+@pytest.mark.parametrize("chosen", [few_combinations, pytest.param(combinations, marks=pytest.mark.slow)])
+def test_gymnasium_checker_passes_with_nothing_but_advice(chosen):
+    for name, action, observation in chosen():
+        # Pictures show neither actions nor observations: once for each optimizer is enough.
+        skipped = (action, observation) != ("natural", "paper")
+        with named_case(f"{name}, {action}, {observation}"):
+            assert_checked(check_env, name, action, observation, skip_render_check=skipped)
 
 
-@looped(("action", "name"), [pair for pair in product(ACTIONS, IDS) if can_have(pair[1], pair[0])])
-def test_stable_baselines3_checker_passes(action, name):
-    assert_checked(check_env_for_sb3, name, action, "extended")
+@pytest.mark.parametrize("names", [IDS[:1], pytest.param(IDS, marks=pytest.mark.slow)], ids=["first", "all"])
+def test_stable_baselines3_checker_passes(names):
+    for action, name in product(ACTIONS, names):
+        if can_have(name, action):
+            with named_case(f"{name}, {action}"):
+                assert_checked(check_env_for_sb3, name, action, "extended")
 
 
 # Fireflies on functions of BBOB need kernels that no other test compiles.

@@ -15,6 +15,7 @@ import pytest
 
 from experiments.runs.episode import controller_of
 from helpers.own_files import write_own_files
+from helpers.slow import slow_but
 from helpers.trainings import make_policy
 from swarm_gym import own_code
 from swarm_gym.comparing.entrants import entrant
@@ -270,7 +271,11 @@ def test_the_check_of_optimizers_passes_for_the_example_and_for_ours():
 
 
 @pytest.mark.parametrize(
-    "name", ["fixed:60", "spsfa-tip", "learned:three-cases/0@1", "open-loop:three-cases"]
+    "name",
+    slow_but(
+        ["fixed:60", "learned:three-cases/0@1"],
+        ["fixed:60", "spsfa-tip", "learned:three-cases/0@1", "open-loop:three-cases"],
+    ),
 )
 def test_the_check_of_controllers_passes_for_ours(name):
     assert ControllerName.parse(name).family in CONTROLLERS

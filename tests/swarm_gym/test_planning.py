@@ -11,6 +11,7 @@ import shapely
 
 import swarm_gym
 from helpers.plans import assert_free, obstacles_of
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
@@ -35,10 +36,10 @@ FIELD = {
 
 @pytest.mark.parametrize(
     ("name", "radius"),
-    [
-        *((name, 0.0) for name in ("case2", "case3", "random-fields:test:5")),
-        *((name, 12.0) for name in ("case2", "case3", "random-fields:test:5")),
-    ],
+    slow_but(
+        [("case2", 0.0), ("random-fields:test:5", 12.0)],
+        [(name, radius) for name in ("case2", "case3", "random-fields:test:5") for radius in (0.0, 12.0)],
+    ),
 )
 def test_paths_among_obstacles_are_free_and_short(name, radius):
     found = plan(name, robot_radius=radius / 2, clearance=radius / 2, seed=1, planner="swarm")
@@ -58,14 +59,13 @@ def test_the_robots_radius_counts_on_grids():
 
 
 def test_the_same_seed_gives_the_same_path_and_more_budget_no_longer_one():
-    first, again = (plan("case2", seed=3, planner="swarm") for _ in range(2))
+    options = {"seed": 3, "planner": "swarm", "max_evaluations": 2000}
+    first, again = (plan("case2", **options) for _ in range(2))
     np.testing.assert_array_equal(first.path, again.path)
-    more = plan("case2", seed=3, planner="swarm", max_evaluations=2 * first.evaluations)
+    more = plan("case2", **{**options, "max_evaluations": 2 * first.evaluations})
     assert more.evaluations >= 2 * first.evaluations
     assert more.length <= first.length
-    other = swarm_gym.plan(
-        "case2", planner="swarm", optimizer="particle-swarm", controller="fixed:40", seed=3
-    )
+    other = swarm_gym.plan("case2", optimizer="particle-swarm", controller="fixed:40", **options)
     assert_free(other)
 
 
@@ -82,7 +82,7 @@ def test_seconds_end_an_episode_in_its_middle(monkeypatch):
     assert_free(found)
 
 
-@pytest.mark.parametrize("name", ["case3", "rooms:0"])
+@pytest.mark.parametrize("name", slow_but(["case3"], ["case3", "rooms:0"]))
 def test_more_seconds_never_give_a_longer_path(monkeypatch, name):
     lengths = []
     for seconds in (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0):
@@ -96,7 +96,13 @@ def test_more_seconds_never_give_a_longer_path(monkeypatch, name):
     assert lengths[-1] < lengths[0]
 
 
-@pytest.mark.parametrize("name", ["case1", "case2", "case3", "random-fields:test:5", "rooms:0", "caves:1"])
+@pytest.mark.parametrize(
+    "name",
+    slow_but(
+        ["case3", "random-fields:test:5", "rooms:0"],
+        ["case1", "case2", "case3", "random-fields:test:5", "rooms:0", "caves:1"],
+    ),
+)
 def test_the_exact_path_is_the_result_where_it_is_quick(name):
     found = plan(name, max_seconds=0.1)
     assert_free(found)
@@ -135,10 +141,10 @@ def test_polygons_of_geojson_are_obstacles_convex_or_not(tmp_path):
 
 
 def test_files_have_the_path_in_every_format(tmp_path, capsys):
-    command = ["--map", "case1", "--seed", "2", "--planner", "swarm", "--output"]
+    command = ["--map", "case1", "--seed", "2", "--planner", "swarm", "--budget", "2000", "--output"]
     for ending in ("csv", "geojson", "yaml", "svg"):
         assert main([*command, str(tmp_path / f"path.{ending}")]) == 0
-    found = plan("case1", seed=2, planner="swarm")
+    found = plan("case1", seed=2, planner="swarm", max_evaluations=2000)
     printed = capsys.readouterr().out
     assert f"length       {found.length:.6g}" in printed
     assert "found by     swarm" in printed

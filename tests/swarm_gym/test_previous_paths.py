@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from helpers.plans import assert_free, obstacles_of
+from helpers.slow import slow_but
 from swarm_gym.errors import SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
@@ -29,7 +30,7 @@ def wall_on(scenario, path):
     return replace(scenario, obstacles=obstacles)
 
 
-@pytest.mark.parametrize("name", ["caves:1", "case3"])
+@pytest.mark.parametrize("name", slow_but(["case3"], ["caves:1", "case3"]))
 def test_planning_goes_on_from_the_path_before_an_obstacle_appeared(name):
     before = plan(name, seed=2, planner="swarm")
     changed = wall_on(before.map, before.path)

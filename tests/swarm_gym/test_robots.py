@@ -18,6 +18,7 @@ from test_dynamic_environments import (
 )
 
 from helpers.builders import (
+    ALIKE,
     random_circle,
     random_grid_scenario,
     random_path,
@@ -27,6 +28,7 @@ from helpers.builders import (
     small_grid_problem,
 )
 from helpers.loops import looped
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -411,7 +413,7 @@ def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
     assert len(env.simulation.problem_of(0).scenario.obstacles) == 3
 
 
-@all_optimizers
+@pytest.mark.parametrize("optimizer", slow_but(("firefly", "cma-es"), DRIVING))
 def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
     (options, *_) = on_maps(optimizer)
     driving = DynamicScenario("driving", options["scenario"].base, (), Drive(1, 5, 1.0))
@@ -432,7 +434,9 @@ def scenarios_of(options):
     return [options["scenario"], options["scenario"].base]
 
 
-@all_optimizers
+@pytest.mark.parametrize(
+    "optimizer", slow_but([name for name in DRIVING if name not in (*ALIKE, "ant-colony")], DRIVING)
+)
 @pytest.mark.parametrize("place", [0, pytest.param(1, marks=pytest.mark.slow)], ids=["first-map", "cells"])
 def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, place, numba_threads):
     for options in on_maps(optimizer)[place : place + 1]:
@@ -466,7 +470,7 @@ def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, plac
 
 
 @copied
-@pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
+@pytest.mark.parametrize("optimizer", slow_but(["particle-swarm"], ["firefly", "particle-swarm"]))
 def test_a_copy_made_on_the_way_goes_on_alike(duplicate, optimizer):
     env = small(optimizer)
     env.reset(seed=SEED)

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 from helpers.builders import is_walker
 from helpers.loops import looped
 from helpers.newcomers import PATH_OPTIMIZERS, action_of
+from helpers.slow import slow_but
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.history import HISTORY
@@ -93,8 +94,13 @@ def seen(env, actions):
     ]
 
 
-@pytest.mark.parametrize("bends", ["harmonics", "stomp"])
-@pytest.mark.parametrize(("width", "threads"), [(1, 1), (2, 2), (7, 1), (7, 2)])
+@pytest.mark.parametrize(
+    ("bends", "width", "threads"),
+    slow_but(
+        [("harmonics", 1, 1), ("harmonics", 2, 2), ("stomp", 7, 2)],
+        [(bends, *rest) for bends in ("harmonics", "stomp") for rest in ((1, 1), (2, 2), (7, 1), (7, 2))],
+    ),
+)
 def test_same_seed_same_bits_in_any_vector_width_with_any_number_of_threads(
     width, threads, bends, numba_threads
 ):
@@ -136,8 +142,13 @@ def test_copies_in_mid_episode_go_on_as_the_original(duplicate, scenario, optimi
 
 
 @looped("budget", [16, 17, 23, 40])
-@pytest.mark.parametrize(("size", "immigrants"), [(8, 0.5), (8, 1.0), (2, 1.0)])
-@all_optimizers
+@pytest.mark.parametrize(
+    ("optimizer", "size", "immigrants"),
+    slow_but(
+        [("firefly", 8, 0.5), ("multivariate", 2, 1.0), ("cma-es", 8, 1.0)],
+        [(name, *rest) for name in PATH_OPTIMIZERS for rest in ((8, 0.5), (8, 1.0), (2, 1.0))],
+    ),
+)
 def test_immigrants_never_exceed_the_budget(optimizer, size, immigrants, budget):
     least = max(get_optimizer(optimizer).smallest_population, 2)
     env = small(optimizer, action="sourced", max_evaluations=budget, min_population_size=least, iterations=60)

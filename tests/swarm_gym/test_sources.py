@@ -15,6 +15,7 @@ from helpers.builders import (
 from helpers.compiled import compiled
 from helpers.loops import looped
 from helpers.newcomers import PATH_OPTIMIZERS, drawn, naively_drawn
+from helpers.slow import slow_but
 from oracles import naive
 from oracles.naive_sources import Source
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -28,6 +29,8 @@ from swarm_gym.sources import Source as OwnSource
 from swarm_gym.ways import with_ways
 
 all_optimizers = pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
+# One that moves member by member, one by generations, and one that draws all its members anew.
+DIFFERENT = ("firefly", "multivariate", "cma-es")
 # Optimizers that shrink and grow member by member.
 BY_MEMBER = [name for name in PATH_OPTIMIZERS if name not in ("multivariate", "cma-es")]
 PROBLEMS = {
@@ -109,20 +112,25 @@ def run(optimizer, problem, source, plan=PLAN, **options):
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@all_optimizers
+@pytest.mark.parametrize("optimizer", slow_but((*DIFFERENT, "fish-swarm"), PATH_OPTIMIZERS))
 def test_episodes_are_the_naive_ones_whatever_the_source(optimizer, source):
     run(optimizer, make_problem("case1", 9), SOURCES[source])
 
 
-@pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
-@pytest.mark.parametrize("problem", ["polyline", "curve"])
+@pytest.mark.parametrize(
+    ("optimizer", "problem"),
+    slow_but(
+        [("particle-swarm", "polyline")],  # on curves, and with fireflies, plain Python takes long
+        [(name, problem) for name in ("firefly", "particle-swarm") for problem in ("polyline", "curve")],
+    ),
+)
 def test_episodes_on_grid_maps_are_the_naive_ones(optimizer, problem):
     """Compare with a seed for which no rounding decides on which side of a cell's edge a sample lies."""
     for source in SOURCES.values():
         run(optimizer, PROBLEMS[problem](), source, PLAN[:3], seed=2)
 
 
-@all_optimizers
+@pytest.mark.parametrize("optimizer", slow_but(DIFFERENT, PATH_OPTIMIZERS))
 def test_budgets_that_end_among_immigrants_are_kept_as_naive(optimizer):
     problem, source = problem_of("random", 3), Source(0.5, 0.6, "harmonics", 0.6)
     plan = [(3, 0.0), (5, 0.5), (4, 0.0)]

@@ -68,11 +68,11 @@ def test_files_have_paths_outside_their_polygons(name, start, goal, length):
 
 
 def test_exact_lengths_on_random_scenes_are_right():
-    assert_right(hold_seed(seed) for seed in range(60))
+    assert_right(hold_seed(seed) for seed in range(30))
 
 
 def test_plans_on_random_scenes_are_right():
-    assert_right(hold_seed(seed, planned=True) for seed in range(200, 208))
+    assert_right(hold_seed(seed, planned=True) for seed in range(200, 203))
 
 
 def test_exact_lengths_and_plans_on_random_grids_are_right():
@@ -80,7 +80,7 @@ def test_exact_lengths_and_plans_on_random_grids_are_right():
 
 
 def test_random_paths_are_feasible_exactly_if_they_do_not_enter_the_union():
-    assert_agree(total(hold_random_paths(seed, 30) for seed in range(20)))
+    assert_agree(total(hold_random_paths(seed, 30) for seed in range(10)))
 
 
 def test_paths_along_a_shared_wall_are_not_feasible():
@@ -130,7 +130,7 @@ def test_placed_scenes_are_the_lattice_exactly():
 
 
 def test_lengths_around_placed_obstacles_are_those_on_the_lattice():
-    for seed in range(60):
+    for seed in range(30):
         scene = make_scene(seed)
         ends = (scene.start.real, scene.start.imag), (scene.goal.real, scene.goal.imag)
         length = scene.scale * shortest_length(scene.grown_lattice(), *ends)

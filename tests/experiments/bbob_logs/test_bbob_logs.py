@@ -15,7 +15,10 @@ from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.worlds import make_problem
 
-SMALL = {"functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60}
+SMALL = {
+    "functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60,
+    "optimizer": "cma-es",  # other tests run it on these functions, too, so that it is compiled
+}  # fmt: skip
 
 
 def made_up(instance, *precision):
@@ -97,15 +100,15 @@ def test_the_files_of_iohprofiler_are_like_those_of_its_own_logger(tmp_path):
 
 
 def test_logs_say_what_the_runs_found(logs):
-    folder = logs / "iohprofiler/particle-swarm_fixed_10"
+    folder = logs / "iohprofiler/cma-es_fixed_10"
     listed = json.loads((folder / "IOHprofiler_f15_RastriginRotated.json").read_text())
     assert [scenario["dimension"] for scenario in listed["scenarios"]] == [2, 3]
-    assert listed["algorithm"]["name"] == "particle-swarm+fixed:10"
+    assert listed["algorithm"]["name"] == "cma-es+fixed:10"
     assert "budget 60 D, seed 3" in listed["algorithm"]["info"]
     for scenario in listed["scenarios"]:
         dimension = scenario["dimension"]
         courses = rows_of(folder / scenario["path"])
-        theirs = rows_of(logs / f"coco/particle-swarm_fixed_10/data_f15/bbobexp_f15_DIM{dimension}.dat")
+        theirs = rows_of(logs / f"coco/cma-es_fixed_10/data_f15/bbobexp_f15_DIM{dimension}.dat")
         for listed_run, course, rows in zip(scenario["runs"], courses, theirs, strict=True):
             name = f"function:bbob-15-{dimension}-{listed_run['instance']}"
             assert make_problem(name).evaluate(listed_run["best"]["x"])[0] == listed_run["best"]["y"]
@@ -135,7 +138,7 @@ def test_the_first_row_is_the_first_member_of_the_first_population(logs):
 def test_every_entrant_has_a_folder_in_both_forms(logs):
     for form in ("coco", "iohprofiler"):
         assert {place.name for place in (logs / form).iterdir()} == {
-            "particle-swarm_fixed_10", "differential-evolution_fixed_12",
+            "cma-es_fixed_10", "differential-evolution_fixed_12",
         }  # fmt: skip
     assert len(list(logs.glob("coco/*/bbobexp_f*.info"))) == 4
 
@@ -161,8 +164,8 @@ def test_iterations_and_parameters_are_those_asked_for(tmp_path):
 
 def test_logs_of_another_run_are_not_touched(logs):
     before = {path: path.read_bytes() for path in logs.rglob("*.*") if path.is_file()}
-    config = BbobConfig(controllers=("fixed:10",), output=logs, functions=(2,))
-    refused(lambda: list(run(config)), "particle-swarm_fixed_10", "--output", error=SettingError)
+    config = BbobConfig(controllers=("fixed:10",), output=logs, functions=(2,), optimizer="cma-es")
+    refused(lambda: list(run(config)), "cma-es_fixed_10", "--output", error=SettingError)
     assert before == {path: path.read_bytes() for path in logs.rglob("*.*") if path.is_file()}
 
 
@@ -187,6 +190,10 @@ def test_unknown_names_are_refused(tmp_path):
     for options in ({"controllers": ("fixd:4",)}, {"optimizer": "swarm"}, {"parameters": {"noise": 1.0}}):
         config = BbobConfig(output=tmp_path, **options)
         refused(lambda c=config: list(run(c)), "unknown", error=UnknownNameError)
+
+
+def test_the_default_optimizer_is_the_one_that_the_help_names():
+    assert BbobConfig().optimizer == "particle-swarm"
 
 
 def test_folders_have_names_without_odd_characters():

@@ -8,6 +8,7 @@ import pytest
 from experiments.playground.exported import export
 from experiments.playground.playground_page import playground_page
 from helpers.browsers import PHONE, chromium, lightness, opener, wider_than
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.reference import known_optimum
 
@@ -15,8 +16,6 @@ axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "playground.md"
 WIDE = {"width": 1400, "height": 900}
-SIZES = pytest.mark.parametrize("viewport", [PHONE, WIDE], ids=["phone", "wide"])
-COLOURS = pytest.mark.parametrize("color_scheme", ["light", "dark"])
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +170,7 @@ def test_reset_and_another_map_or_seed_begin_anew(page):
     assert page.locator(".swarm .obstacle").count() == 3 * 15
 
 
-@pytest.mark.parametrize("text", ["", "-1", "1.5", "seven", str(2**53)])
+@pytest.mark.parametrize("text", slow_but(["", str(2**53)], ["", "-1", "1.5", "seven", str(2**53)]))
 def test_a_faulty_seed_is_named_and_changes_nothing(page, text):
     step(page)
     before = states(page)
@@ -258,8 +257,10 @@ def test_curves_have_a_point_for_each_iteration(page):
         assert [curve.get_attribute("d").count("L") for curve in figure.locator(".curve").all()] == [4, 4, 4]
 
 
-@SIZES
-@COLOURS
+@pytest.mark.parametrize(
+    ("viewport", "color_scheme"),
+    slow_but([(PHONE, "dark")], [(size, colours) for size in (PHONE, WIDE) for colours in ("light", "dark")]),
+)
 def test_nothing_is_wider_than_the_screen_and_axe_finds_nothing(file, open_page, viewport, color_scheme):
     page = open_page(file, viewport, color_scheme)
     step(page, 2)
@@ -273,7 +274,10 @@ def test_nothing_is_wider_than_the_screen_and_axe_finds_nothing(file, open_page,
 
 @pytest.mark.parametrize(
     ("motion", "shown", "pictures"),
-    [("reduce", "Infinity", False), ("reduce", "-Infinity", True), ("no-preference", "Infinity", True)],
+    slow_but(
+        [("reduce", "Infinity", False)],
+        [("reduce", "Infinity", False), ("reduce", "-Infinity", True), ("no-preference", "Infinity", True)],
+    ),
     ids=["calm, lately shown", "calm, long ago", "lively"],
 )
 def test_pictures_are_rare_for_readers_who_ask_for_less_motion(file, open_page, motion, shown, pictures):

@@ -11,6 +11,7 @@ from gymnasium.utils.seeding import np_random
 from experiments.playground.exported import POLICY, SCHEDULE, export
 from experiments.playground.playground_page import engine
 from helpers.browsers import chromium
+from helpers.slow import slow_but
 from oracles.naive import Stream
 from swarm_gym.batch import episode_seed
 from swarm_gym.compiler.random_stream import seed_stream
@@ -197,10 +198,16 @@ def test_a_run_by_hand_is_the_same_up_to_the_last_bit_of_exp(port, place):
     assert_close(frames, run_by_hand(CASES[place], 11, {}, decisions))
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"noise": 8.0, "iterations": 20, "num_waypoints": 20}], ids=["", "other"]
-)
-@pytest.mark.parametrize("place", range(3), ids=CASES[:3])
+OTHER_SCHEDULE = {"noise": 8.0, "iterations": 20, "num_waypoints": 20}
+OTHER_POLICY = {"mean_weight": 0.5, "iterations": 30}
+
+
+def on_cases(options):
+    """Return places of cases and options; the usual options on one case, and others on another, are fast."""
+    return slow_but([(0, {}), (1, options)], [(place, one) for place in range(3) for one in ({}, options)])
+
+
+@pytest.mark.parametrize(("place", "options"), on_cases(OTHER_SCHEDULE))
 def test_the_schedule_decides_as_in_python(port, place, options):
     expected, decisions = run_controlled(SCHEDULE, CASES[place], 5, options)
     frames = port.evaluate(RUN, [export(CASES[:3], options), place, 5, decisions])
@@ -211,8 +218,7 @@ def test_the_schedule_decides_as_in_python(port, place, options):
     assert any(degree > 0.0 for _, degree in decided)
 
 
-@pytest.mark.parametrize("options", [{}, {"mean_weight": 0.5, "iterations": 30}], ids=["", "other"])
-@pytest.mark.parametrize("place", range(3), ids=CASES[:3])
+@pytest.mark.parametrize(("place", "options"), on_cases(OTHER_POLICY))
 def test_the_policy_decides_as_in_python(port, place, options):
     expected, decisions = run_controlled(POLICY, CASES[place], 5, options)
     frames = port.evaluate(RUN, [export(CASES[:3], options), place, 5, decisions])

@@ -24,6 +24,7 @@ from experiments.report.recording import record
 from experiments.runs.database import Results
 from helpers.browsers import DESKTOP, PHONE, chromium, lightness, opener, wider_than
 from helpers.reports import SUITE
+from helpers.slow import slow_but
 from helpers.stored_runs import make_database
 
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
@@ -74,7 +75,7 @@ def test_the_page_opens_from_disk_without_errors_or_requests(page, report):
     assert page.title() == "swarm_gym: suite tiny"
 
 
-@pytest.mark.parametrize("which", ["TRUE", "seed = 2 AND controller = 'spsfa'"])
+@pytest.mark.parametrize("which", slow_but(["TRUE"], ["TRUE", "seed = 2 AND controller = 'spsfa'"]))
 def test_an_empty_or_partial_report_opens_without_errors(database, tmp_path, open_page, which, monkeypatch):
     monkeypatch.setitem(SUITES, "tiny", SUITE)
     copy = tmp_path / "tiny.sqlite"
@@ -224,9 +225,11 @@ def test_two_controllers_and_other_scenarios_can_be_chosen(page):
     assert page.complaints == []
 
 
-@pytest.mark.parametrize("color_scheme", ["light", "dark"])
 @pytest.mark.parametrize(
-    "viewport", [PHONE, pytest.param(DESKTOP, marks=pytest.mark.slow)], ids=["phone", "desktop"]
+    ("viewport", "color_scheme"),
+    slow_but(
+        [(PHONE, "light")], [(size, colours) for size in (PHONE, DESKTOP) for colours in ("light", "dark")]
+    ),
 )
 def test_nothing_is_wider_than_the_screen(report, open_page, viewport, color_scheme):
     page = open_page(report, viewport, color_scheme)
@@ -283,6 +286,14 @@ def test_a_printed_page_has_its_tables_and_none_of_its_buttons(report, open_page
     assert len(page.pdf()) > 50_000
 
 
+PICTURES = [
+    ("map-light", ".pane .map", DESKTOP, "light", 1.5),
+    ("map-dark", ".pane .map", DESKTOP, "dark", 1.5),
+    ("player-phone", ".player", PHONE, "light", 4.0),
+    ("player-desktop", ".player", DESKTOP, "light", 4.0),
+]
+
+
 def assert_looks_like(picture, name, tolerance):
     """Blurred, so that fonts and smoothing may differ a little; where they do not, it is about 0."""
     path = SCREENSHOTS / f"{name}.png"
@@ -302,12 +313,10 @@ def assert_looks_like(picture, name, tolerance):
 
 @pytest.mark.parametrize(
     ("name", "part", "viewport", "color_scheme", "tolerance"),
-    [
-        ("map-light", ".pane .map", DESKTOP, "light", 1.5),
-        ("map-dark", ".pane .map", DESKTOP, "dark", 1.5),
-        ("player-phone", ".player", PHONE, "light", 4.0),
-        ("player-desktop", ".player", DESKTOP, "light", 4.0),
-    ],
+    slow_but(
+        [PICTURES[1], PICTURES[2]],
+        PICTURES,
+    ),
 )
 def test_the_player_looks_as_it_did(report, open_page, name, part, viewport, color_scheme, tolerance):
     page = open_page(report, viewport, color_scheme)

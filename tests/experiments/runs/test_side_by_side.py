@@ -9,6 +9,7 @@ from experiments.runs.episode import Episode
 from experiments.runs.experiment import Experiment
 from experiments.runs.runner import Unit, run_unit
 from experiments.runs.side_by_side import can_be_side_by_side, run_side_by_side
+from helpers.slow import slow_but
 
 SEEDS = (7, 8, 9)
 ROWS = {
@@ -30,7 +31,7 @@ def experiment_of(name):
     return Experiment("small", (name,), (scenario,), 3, options={"iterations": 20, **options}, first_seed=7)
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", slow_but([name for name in ROWS if not name.startswith("blinded")], ROWS))
 def test_runs_side_by_side_are_single_runs(name):
     experiment = experiment_of(name)
     (scenario,) = experiment.scenarios

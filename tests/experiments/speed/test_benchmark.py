@@ -31,6 +31,7 @@ from experiments.speed.numpy_firefly import NumpyFirefly
 from experiments.speed.peers import bezier, fish
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
+from helpers.slow import slow_but
 from oracles import naive_grid
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import AnalyticProblem, GridProblem
@@ -83,10 +84,10 @@ def curves():
 
 def test_other_libraries_get_the_fitness_of_the_kernel_or_that_of_samples(curves):
     rng = np.random.default_rng(1)
-    anywhere = rng.uniform(*curves.bounds, (200, curves.dimension))
+    anywhere = rng.uniform(*curves.bounds, (60, curves.dimension))
     # Control points on the straight line and a little beside it, so that few samples are infeasible.
     line = np.linspace(curves.scenario.start, curves.scenario.target, bezier.NUM_CONTROL_POINTS + 2)[1:-1]
-    near = line.T.ravel() + rng.normal(0.0, 10.0, (200, curves.dimension))
+    near = line.T.ravel() + rng.normal(0.0, 10.0, (60, curves.dimension))
     corners = np.stack(curves.bounds)
     vectors = np.concatenate([anywhere, np.clip(near, *curves.bounds), corners])
     assert_is_fitness(compiled_cost(curves), [curves.evaluate(vector)[0] for vector in vectors], vectors)
@@ -175,6 +176,9 @@ def test_a_figure_is_the_median_after_a_run_that_is_thrown_away_and_what_takes_l
     assert measure(Quantity("x", "s", lambda: next(values), repeats=1), 3).median == 5.0
 
 
+PARTS = [partial(moves.part_nanoseconds, "case1", part) for part in moves.PARTS.values()]
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -185,8 +189,14 @@ def test_a_figure_is_the_median_after_a_run_that_is_thrown_away_and_what_takes_l
         pytest.param(
             lambda: start.first_step(start.FIRST_STEP, cold=False), id="first step", marks=pytest.mark.slow
         ),
-        *(partial(moves.part_nanoseconds, "case1", part) for part in moves.PARTS.values()),
-        *(partial(moves.new_member_nanoseconds, "case1", source) for source in moves.NEW_MEMBERS.values()),
+        # Each is compiled for this alone.
+        *slow_but(
+            [PARTS[-1]],
+            [
+                *PARTS,
+                *(partial(moves.new_member_nanoseconds, "case1", one) for one in moves.NEW_MEMBERS.values()),
+            ],
+        ),
         *(lambda name=name: ours_per_evaluation(bezier.environment(name)) for name in bezier.OURS),
     ],
 )

@@ -23,9 +23,9 @@ PPO = Recipe("PPO", {"n_steps": 5, "batch_size": 20, "gamma": 1.0}, SMALL)
 
 @pytest.fixture
 def short(monkeypatch):
-    """Trainings of seconds, on three seeds."""
-    monkeypatch.setattr(trainings, "TEST_SEEDS", range(60_000, 60_003))
-    monkeypatch.setattr(tables, "TEST_SEEDS", range(60_000, 60_003))
+    """Trainings of seconds, on two seeds."""
+    monkeypatch.setattr(trainings, "TEST_SEEDS", range(60_000, 60_002))
+    monkeypatch.setattr(tables, "TEST_SEEDS", range(60_000, 60_002))
     monkeypatch.setattr(trainings, "VALIDATION_SEEDS", range(120_000, 120_002))
     monkeypatch.setattr(trainings, "NUM_SWARMS", 4)
     monkeypatch.setattr(

@@ -26,6 +26,24 @@ SWARMS = [pytest.param(library, marks=missing(library)) for library in ADAPTED]
 every_algorithm = pytest.mark.parametrize("name", adapted())
 
 
+def contracts():
+    """Return scenarios and algorithms; the first algorithm is checked on every scenario without `slow`.
+
+    All algorithms meet scenarios through the same class.
+    """
+    (first, *others, last), (path, *more) = adapted(), ["case1", "rooms:0", "function:rastrigin-2"]
+    return [
+        *(pytest.param(scenario, *first.values, marks=first.marks) for scenario in (path, *more)),
+        *(pytest.param(path, *one.values, marks=one.marks) for one in others),
+        *(
+            pytest.param(scenario, *one.values, marks=[*one.marks, pytest.mark.slow])
+            for one in (*others, last)
+            for scenario in more
+        ),
+        pytest.param(path, *last.values, marks=[*last.marks, pytest.mark.slow]),  # it takes ten times as long
+    ]
+
+
 def advance(env, sizes=SIZES, degree=0.4):
     return [env.step(np.array([size, degree]))[-1]["best_fitness"] for size in sizes]
 
@@ -36,8 +54,7 @@ def test_gymnasium_accepts_it(name):
     check_env(env.unwrapped, skip_render_check=True)
 
 
-@every_algorithm
-@pytest.mark.parametrize("scenario", ["case1", "rooms:0", "function:rastrigin-2"])
+@pytest.mark.parametrize(("scenario", "name"), contracts())
 def test_an_adapted_algorithm_keeps_the_contract_of_optimizers(name, scenario):
     check_optimizer(name, scenario)
 

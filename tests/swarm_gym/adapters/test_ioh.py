@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 from helpers.adapted import adapted, episode_of
 from helpers.libraries import RandomSteps
 from helpers.loops import looped
+from helpers.slow import slow_but
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError, UnknownNameError
@@ -73,6 +74,8 @@ def test_the_least_value_of_every_suite_is_0_at_the_optimum_inside_the_domain(na
 # Episodes.
 
 
+# The compiled function needs kernels that no other test compiles.
+@pytest.mark.slow
 @pytest.mark.parametrize("budget", [None, 40])
 def test_an_episode_is_that_on_the_compiled_function(budget):
     found = []
@@ -102,7 +105,7 @@ def test_newcomers_are_recorded_as_on_the_compiled_function():
 
 
 @pytest.mark.parametrize("name", adapted())
-@pytest.mark.parametrize("scenario", [NAME, "ioh:cec2022-1001-2-1"])
+@pytest.mark.parametrize("scenario", slow_but([NAME], [NAME, "ioh:cec2022-1001-2-1"]))
 def test_adapted_optimizers_keep_their_contract_on_it(name, scenario):
     check_optimizer(name, scenario)
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numba
 import pytest
 
+from helpers.slow import slow_but
 from swarm_gym.compiler.own_sources import UnknownSourceError, digest_of_modules, own_modules
 from swarm_gym.optimizers.firefly import FireflyParameters
 
@@ -182,7 +183,7 @@ def run(tmp_path, arguments, code=None):
     return done.stdout.split(), list((tmp_path / "cache").rglob("own-*"))
 
 
-@pytest.mark.parametrize("how", ["-c", "standard input", "python -i"])
+@pytest.mark.parametrize("how", slow_but(["python -i"], ["-c", "standard input", "python -i"]))
 def test_kernels_that_are_typed_in_are_compiled_in_each_process(tmp_path, how):
     if how == "python -i":  # a module with a file, in which a prompt goes on
         (tmp_path / "begun.py").write_text("begun = True\n")

@@ -9,6 +9,7 @@ import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
 from helpers.shipped import policies_on_maps
+from helpers.slow import slow_but
 from helpers.trainings import assert_decides_alike_at_any_width, make_policy, random_observations
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import packaged_rules
@@ -56,6 +57,19 @@ NAMES = [
 RECIPES: dict[str, list[str]] = {}
 for name in NAMES:
     RECIPES.setdefault(name.partition("/")[0], []).append(name)
+ON_MAPS = [one for one in RECIPES if one.partition(":")[0] not in ("ipop", "bipop")]
+# One recipe of each family, and what rows of files differ by: optimizers, decisions and sources of members.
+ONE_OF_EACH = [
+    *{one.partition(":")[0]: one for one in reversed(ON_MAPS) if "ant-colony" not in one}.values(),
+    "open-loop:three-cases-sourced-13-knots",
+    "open-loop:optimizers-multivariate-base",
+    "learned:ablation-dqn",
+    "learned:optimizers-all-named",
+    "learned:three-cases-extended",
+    "learned:three-cases-sourced",
+    "learned:dynamic-told",
+    "tuned:optimizers-particle-swarm-schedule",
+]
 
 
 @pytest.fixture
@@ -88,7 +102,7 @@ def test_every_controller_keeps_the_protocol_and_the_limits(recipe):
             assert ((actions >= layout.space.low) & (actions <= layout.space.high)).all()
 
 
-@pytest.mark.parametrize("recipe", RECIPES)
+@pytest.mark.parametrize("recipe", slow_but(["ipop", "bipop", *ONE_OF_EACH], RECIPES))
 def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(recipe):
     for name in RECIPES[recipe]:
         assert_decides_alike_at_any_width(partial(make_controller, name), np.random.default_rng(2), seed=10)
@@ -189,7 +203,7 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
 
 
 # Without rules that observe restarts, which fireflies do not count: test_restart_rules.py has what holds.
-@pytest.mark.parametrize("recipe", [one for one in RECIPES if one.partition(":")[0] not in ("ipop", "bipop")])
+@pytest.mark.parametrize("recipe", slow_but(ONE_OF_EACH, ON_MAPS))
 def test_every_controller_runs_episodes(recipe):
     for name in RECIPES[recipe]:
         controller = make_controller(name)

@@ -23,6 +23,7 @@ from helpers.builders import (
 )
 from helpers.grids import drawn_problem
 from helpers.loops import looped
+from helpers.slow import slow_but
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
@@ -45,7 +46,7 @@ PARAMETERS = [
 ]
 
 
-@pytest.mark.parametrize("parameters", PARAMETERS, ids=str)
+@pytest.mark.parametrize("parameters", slow_but(PARAMETERS[::2], PARAMETERS), ids=str)
 def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
     for seed, geometry in enumerate(({}, METRES)):
         problem = walk_problem("random", seed, shape=(10, 14), **geometry)

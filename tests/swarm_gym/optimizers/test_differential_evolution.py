@@ -17,6 +17,7 @@ from helpers.builders import (
     workspace,
 )
 from helpers.loops import looped
+from helpers.slow import slow_but
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import differential_evolution as de
 from swarm_gym.optimizers import get_optimizer
@@ -72,7 +73,9 @@ def run_with_memory(problem, parameters=None, budget=UNLIMITED, plan=LONG_PLAN, 
 
 
 @looped("budget", [13, 17, 30, 41, 60, UNLIMITED])
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "curve"])
+@pytest.mark.parametrize(
+    "kind", slow_but(["analytic", "one waypoint"], ["analytic", "one waypoint", "curve"])
+)
 def test_memory_and_archive_are_the_naive_ones(kind, budget):
     run_with_memory(problems(NAME)[kind], budget=budget)
 

@@ -5,6 +5,7 @@ from test_optimizers import problems, run
 
 from helpers import fish
 from helpers.builders import advance, begin
+from helpers.slow import slow_but
 from swarm_gym.optimizers import get_optimizer
 
 STANDARD, IMPROVED, HYBRID = "fish-swarm", "improved-fish-swarm", "hybrid-fish-swarm"
@@ -35,9 +36,21 @@ PLANS = {name: [(6, 0.0), (9, 0.7), (4, 1.0)] for name in (STANDARD, IMPROVED)} 
 }
 
 
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-@pytest.mark.parametrize(("name", "parameters"), [(name, each) for name in OTHERS for each in OTHERS[name]])
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, name, parameters):
+@pytest.mark.parametrize(
+    ("name", "parameters", "kind"),
+    slow_but(
+        # On a polyline plain Python takes long.
+        [(name, each, "analytic") for name in OTHERS for each in OTHERS[name]]
+        + [(name, OTHERS[name][0], kind) for name in OTHERS for kind in ("one waypoint", "polyline")],
+        [
+            (name, each, kind)
+            for name in OTHERS
+            for each in OTHERS[name]
+            for kind in ("analytic", "one waypoint", "polyline")
+        ],
+    ),
+)
+def test_episodes_with_other_parameters_are_the_naive_ones(name, parameters, kind):
     plan = PLANS[name]
     run(name, problems(name)[kind], plan, parameters, size=plan[0][0], iterations=3)
 

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from helpers.bits import OPTIMIZER, as_actions, bit_env, simulated_runtimes, steps_from
+from helpers.slow import slow_but
 from oracles import bit_strings
 from oracles.bit_strings import Choice, paired
 from swarm_gym.env import SwarmEnv
@@ -45,15 +46,18 @@ def p_of_chi_square(found, expected, total):
 @counted
 @pytest.mark.parametrize(
     ("size", "ones", "choice"),
-    [
-        (10, 5, paired(3)),
-        (11, 0, paired(2)),
-        (12, 11, Choice(3, 1, 0.5)),
-        (12, 6, paired(1)),
-        (10, 8, Choice(2, 3, 2.0, 1.5)),
-        (10, 5, Choice(3, 3, 10.0)),  # flips every bit
-        (12, 10, Choice(2, 2, 1.0, 2.0)),  # every child is the mutant
-    ],
+    slow_but(
+        [(10, 5, paired(3)), (12, 11, Choice(3, 1, 0.5))],
+        [
+            (10, 5, paired(3)),
+            (11, 0, paired(2)),
+            (12, 11, Choice(3, 1, 0.5)),
+            (12, 6, paired(1)),
+            (10, 8, Choice(2, 3, 2.0, 1.5)),
+            (10, 5, Choice(3, 3, 10.0)),  # flips every bit
+            (12, 10, Choice(2, 2, 1.0, 2.0)),  # every child is the mutant
+        ],
+    ),
 )
 def test_gain_and_cost_of_an_iteration_have_the_enumerated_probabilities(size, ones, choice, counting):
     scenario = f"onemax:{size}-start:{ones}"
@@ -67,7 +71,10 @@ def test_gain_and_cost_of_an_iteration_have_the_enumerated_probabilities(size, o
 
 @pytest.mark.parametrize(
     ("size", "ones", "choice"),
-    [(60, 45, Choice(8, 8)), (60, 30, Choice(2, 12, 6.0, 0.5)), (100, 97, Choice(6, 20, 1.2, 1.4))],
+    slow_but(
+        [(60, 45, Choice(8, 8))],
+        [(60, 45, Choice(8, 8)), (60, 30, Choice(2, 12, 6.0, 0.5)), (100, 97, Choice(6, 20, 1.2, 1.4))],
+    ),
 )
 def test_gain_and_cost_of_an_iteration_are_distributed_as_on_strings(size, ones, choice):
     """Compare counts of gains, and of costs, in a table of two rows."""
@@ -97,15 +104,15 @@ def test_mutants_alone_cost_what_their_number_says_where_all_children_are_copies
 @pytest.mark.parametrize(
     ("size", "decide", "counting"),
     [
-        (30, lambda _: paired(1), "copies-free"),
-        (40, lambda _: paired(2), "copies-free"),
+        pytest.param(30, lambda _: paired(1), "copies-free", marks=pytest.mark.slow),
+        pytest.param(40, lambda _: paired(2), "copies-free", marks=pytest.mark.slow),
         (40, lambda _: paired(8), "all"),
         (20, lambda _: paired(20), "copies-free"),
-        (40, lambda _: Choice(4, 9, 0.5, 1.6), "copies-free"),
-        (30, lambda _: Choice(2, 5, 1.5, 0.5), "all"),
+        pytest.param(40, lambda _: Choice(4, 9, 0.5, 1.6), "copies-free", marks=pytest.mark.slow),
+        pytest.param(30, lambda _: Choice(2, 5, 1.5, 0.5), "all", marks=pytest.mark.slow),
         (40, growing, "copies-free"),
-        (30, by_thirds, "copies-free"),
-        (30, by_thirds, "all"),
+        pytest.param(30, by_thirds, "copies-free", marks=pytest.mark.slow),
+        pytest.param(30, by_thirds, "all", marks=pytest.mark.slow),
     ],
 )
 def test_runtimes_are_distributed_as_on_strings(size, decide, counting):

@@ -21,13 +21,13 @@ from helpers.builders import (
     walked,
 )
 from helpers.loops import looped
+from helpers.slow import slow_but
 from oracles import naive_optimizers
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.registration import environment_id
 
 all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
-with_an_oracle = pytest.mark.parametrize("optimizer", naive_optimizers.NAIVE)
 ADOPTING = [name for name in OPTIMIZERS if get_optimizer(name).adopts]
 
 # (size, repair degree) of steps: growing and shrinking, within regions of MOA and across them.
@@ -101,21 +101,33 @@ def test_every_optimizer_has_an_oracle():
     assert naive_optimizers.NAIVE.keys() == OPTIMIZERS.keys()
 
 
-@on_all_kinds(naive_optimizers.NAIVE, long=("firefly",))
+# Plain Python takes long on grids; these two create members in an iteration, and keep a memory.
+FAST_ON_GRIDS = ("multivariate", "differential-evolution")
+
+
+@on_all_kinds(naive_optimizers.NAIVE, long=sorted({*naive_optimizers.NAIVE} - {*FAST_ON_GRIDS}))
 def test_episodes_are_the_naive_ones(optimizer, kind):
     parameters = tries(optimizer, 1) if kind == "curve" else {}
     run(optimizer, problems(optimizer)[kind], parameters=parameters, size=7, iterations=len(PLAN))
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
-@with_an_oracle
+@pytest.mark.parametrize(
+    "optimizer",
+    slow_but(
+        [name for name in naive_optimizers.NAIVE if name != "hybrid-fish-swarm"], naive_optimizers.NAIVE
+    ),
+)
 def test_episodes_of_several_seeds_are_the_naive_ones(optimizer, seed):
     plan = [(10, seed / 3), (14, 0.0), (9, 1.0), (9, 0.0), (20, 0.5)]
     run(optimizer, problem_for(optimizer, "random", 6, seed), plan, size=10, seed=seed, iterations=5)
 
 
 @looped("left", BUDGETS)
-@with_an_oracle
+@pytest.mark.parametrize(
+    "optimizer",
+    slow_but([name for name in naive_optimizers.NAIVE if name != "ant-colony"], naive_optimizers.NAIVE),
+)
 def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
     plan, problem = [(7, 0.0), (12, 0.5), *[(12, 0.0)] * 60], problem_for(optimizer, "case2", 9)
     budget = spent_to_begin(optimizer, problem, 7) + left
@@ -123,7 +135,9 @@ def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
     assert swarms.evaluations[0] == budget
 
 
-@with_an_oracle
+@pytest.mark.parametrize(
+    "optimizer", slow_but(("firefly", "multivariate", "fish-swarm", "cma-es"), naive_optimizers.NAIVE)
+)
 def test_episodes_of_all_budgets_are_the_naive_ones(optimizer):
     """Budgets end in the first population, in a growth, or in an iteration."""
     plan, problem = [(3, 1.0), (5, 0.5), (4, 0.0)], problem_for(optimizer, "random", 3)

@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import ks_2samp
 
 from helpers.builders import advance, begin, function_problem
+from helpers.slow import slow_but
 from swarm_gym.optimizers import get_optimizer
 
 pytest.importorskip("niapy")
@@ -15,7 +16,7 @@ from niapy.task import Task
 NAME = "differential-evolution"
 FUNCTIONS = {"sphere": 1, "Rastrigin": 3, "Rosenbrock": 8, "ill-conditioned ellipsoid": 10}
 RUNS, SMALLEST = 30, 4
-BUDGETS = {5: 2500, 10: 5000}  # evaluations by dimension; most gaps are not yet lost in rounding
+BUDGETS = {2: 800, 5: 2500, 10: 5000}  # evaluations by dimension; most gaps are not yet lost in rounding
 
 
 class OfOurs(Problem):
@@ -63,7 +64,7 @@ def test_defaults_are_those_of_niapy():
     assert tuple(ours) == tuple(theirs[key] for key in keys)
 
 
-@pytest.mark.parametrize("dimension", [5, pytest.param(10, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("dimension", slow_but([2], BUDGETS))
 @pytest.mark.parametrize(
     "name",
     [name if k == 0 else pytest.param(name, marks=pytest.mark.slow) for k, name in enumerate(FUNCTIONS)],

@@ -7,6 +7,7 @@ import pytest
 from test_optimizers import spent_to_begin, tries
 
 from helpers.builders import (
+    ALIKE,
     MEAN_WEIGHT,
     METRES,
     UNLIMITED,
@@ -17,20 +18,23 @@ from helpers.builders import (
     oracle_twin,
     random_grid_scenario,
     random_population,
-    slow_if_alike,
 )
+from helpers.slow import slow_but
 from oracles import naive_optimizers, naive_swarm
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.problem import AnalyticProblem, GridProblem, WalkProblem
 from swarm_gym.problem.tables import stack
 from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario, worlds_of
 
-with_an_oracle = pytest.mark.parametrize(
-    "optimizer", [slow_if_alike(name) for name in naive_optimizers.NAIVE]
-)
+# Kernels that evaluate again on cells take long to compile; other tests need this one, too.
+ON_GRIDS = ("firefly", "glowworm", "ant-colony")
 with_an_oracle_on_both_maps = pytest.mark.parametrize(
     ("optimizer", "kind"),
-    [slow_if_alike(name, kind) for name in naive_optimizers.NAIVE for kind in ("analytic", "grid")],
+    slow_but(
+        [(name, "analytic") for name in naive_optimizers.NAIVE if name not in ALIKE]
+        + [(name, "grid") for name in ON_GRIDS],
+        [(name, kind) for name in naive_optimizers.NAIVE for kind in ("analytic", "grid")],
+    ),
 )
 
 # (size, repair degree) of steps, after each of which the map changes.
@@ -95,7 +99,9 @@ def test_episodes_on_a_map_that_changes_are_the_naive_ones(optimizer, kind):
     run(optimizer, kind, plan, tries(optimizer, 1), size=size)
 
 
-@with_an_oracle
+@pytest.mark.parametrize(
+    "optimizer", slow_but(("firefly", "particle-swarm", "multivariate"), naive_optimizers.NAIVE)
+)
 def test_episodes_of_all_budgets_on_a_map_that_changes_are_the_naive_ones(optimizer):
     """Budgets end among the members, in the other memory, or at the best so far."""
     first = spent_to_begin(optimizer, problems(optimizer, "analytic")[0], 5)

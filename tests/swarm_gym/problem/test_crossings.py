@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from helpers.compiled import compiled
 from helpers.grids import area_of, grids
 from helpers.public_maps import needed
+from helpers.slow import slow_but
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load
 from swarm_gym.env import SwarmEnv
@@ -192,8 +193,14 @@ def optimised(optimizer, scenario, encoding, num_points, seed):
     return problem, env.simulation.positions(0)
 
 
-@pytest.mark.parametrize(("encoding", "num_points"), ENCODINGS)
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize(
+    ("family", "encoding", "num_points"),
+    slow_but(
+        [("rooms", *one) for one in ENCODINGS]
+        + [(family, "bezier", 4) for family in ("caves", "block", "public rooms", "random", "arena")],
+        [(family, *one) for family in FAMILIES for one in ENCODINGS],
+    ),
+)
 def test_paths_collide_unless_shapely_finds_them_free(family, encoding, num_points):
     problem = GridProblem(scenario_of(FAMILIES[family][0]), encoding, num_points)
     assert differences(problem, random_vectors(problem, 40, seed=0))[0] == 0

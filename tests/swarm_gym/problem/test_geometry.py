@@ -19,6 +19,7 @@ from helpers.builders import (
 )
 from helpers.compiled import compiled
 from helpers.loops import looped, named_case
+from helpers.slow import slow_but
 from oracles import naive
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.collision import clearing_shifts
@@ -116,7 +117,7 @@ def random_meetings(kind, seed, num_obstacles, per_obstacle=8):
 
 @pytest.mark.parametrize(
     ("seed", "num_obstacles"),
-    [(0, 125), (1, 125), *(pytest.param(seed, 2000, marks=pytest.mark.slow) for seed in range(100, 120))],
+    slow_but([(0, 125)], [(0, 125), (1, 125), *((seed, 2000) for seed in range(100, 120))]),
 )
 @pytest.mark.parametrize("kind", KINDS)
 def test_contact_and_clearing_shifts_are_those_of_shapely(kind, seed, num_obstacles):
@@ -159,7 +160,7 @@ def test_clearing_shifts_are_the_naive_ones(kind, seed):
     assert compared > 100
 
 
-@looped("seed", range(3))
+@looped("seed", range(1))
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_naive_shifts_are_the_largest_gap_over_the_segment(kind, seed):
     """The oracle of the other tests, against a search that knows no closed form."""
@@ -302,7 +303,7 @@ def test_the_degree_of_collision_is_the_distance_to_the_cleared_parallel(kind):
 
 
 @looped("num_waypoints", range(1, 121))
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", slow_but(["case1"], CASES))
 def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
     # Many an edge stands on the line of a waypoint, exactly: no rounding may pair it with both sides.
     problem = make_problem(case, num_waypoints)

@@ -10,6 +10,7 @@ from helpers.builders import random_grid_scenario, small_grid_problem
 from helpers.compiled import compiled
 from helpers.loops import looped
 from helpers.refusals import refused as assert_refused
+from helpers.slow import slow_but
 from oracles import naive_grid
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
@@ -25,6 +26,7 @@ GEOMETRIES = {
     "coarse": {"resolution": 3.0, "origin": (100.0, -50.0)},
 }
 ENCODINGS = [("bezier", n) for n in range(1, 7)] + [("waypoints", n) for n in (1, 2, 3, 7, 8, 31)]
+LONG = [("bezier", number) for number in (4, 5, 6)]  # for plain Python
 all_encodings = pytest.mark.parametrize(("encoding", "num_points"), ENCODINGS)
 all_geometries = looped("geometry", GEOMETRIES.values())
 
@@ -54,7 +56,9 @@ def straight(problem):
 
 
 @all_geometries
-@all_encodings
+@pytest.mark.parametrize(
+    ("encoding", "num_points"), slow_but([one for one in ENCODINGS if one not in LONG], ENCODINGS)
+)
 def test_fitness_collision_samples_and_bounds_are_the_naive_ones(encoding, num_points, geometry):
     problem = small_grid_problem(encoding, num_points, seed=num_points, **geometry)
     oracle = naive_grid.Problem(problem)
@@ -67,7 +71,9 @@ def test_fitness_collision_samples_and_bounds_are_the_naive_ones(encoding, num_p
 
 @looped("repair_degree", [0.3, 1.0])
 @all_geometries
-@all_encodings
+@pytest.mark.parametrize(
+    ("encoding", "num_points"), slow_but([one for one in ENCODINGS if one not in LONG], ENCODINGS)
+)
 def test_a_repair_is_the_naive_one(encoding, num_points, geometry, repair_degree):
     problem = small_grid_problem(encoding, num_points, seed=num_points + 1, **geometry)
     oracle = naive_grid.Problem(problem)

@@ -11,6 +11,7 @@ from helpers.builders import CASES, as_path, make_problem, problem_of, random_pa
 from helpers.compiled import compiled
 from helpers.loops import looped, named_case
 from helpers.refusals import refused
+from helpers.slow import slow_but
 from oracles import naive
 from swarm_gym.errors import SettingError
 from swarm_gym.problem import AnalyticProblem
@@ -120,7 +121,7 @@ def repaired_like_naive(problem, offsets, repair_degree):
 
 @looped("repair_degree", [0.25, 0.7, 1.0])
 @looped("num_waypoints", NUMS)
-@pytest.mark.parametrize("source", SCENARIOS)
+@pytest.mark.parametrize("source", slow_but(["case3", "random"], SCENARIOS))
 def test_a_repair_pass_is_the_naive_one(source, num_waypoints, repair_degree):
     rng = np.random.default_rng(num_waypoints)
     problem = problem_of(source, num_waypoints, 1)

@@ -104,16 +104,24 @@ def test_among_random_obstacles_that_overlap_it_is_as_long_as_in_the_whole_graph
     assert_as_the_whole_graph(random_scenario(np.random.default_rng(seed), num_obstacles))
 
 
-@settings(max_examples=60, deadline=None)
-@given(seed=SEEDS, walled=st.booleans())
-def test_among_obstacles_that_touch_it_is_as_long_as_in_the_whole_graph(seed, walled):
-    assert_as_the_whole_graph(lattice(seed, walled))
+@pytest.mark.parametrize("examples", [10, pytest.param(60, marks=pytest.mark.slow)])
+def test_among_obstacles_that_touch_it_is_as_long_as_in_the_whole_graph(examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(seed=SEEDS, walled=st.booleans())
+    def check(seed, walled):
+        assert_as_the_whole_graph(lattice(seed, walled))
+
+    check()
 
 
-@settings(max_examples=25, deadline=None)
-@given(seed=SEEDS)
-def test_beside_thin_slabs_it_is_as_long_as_in_the_whole_graph(seed):
-    assert_as_the_whole_graph(with_slabs(lattice(seed, away=1.0), seed))
+@pytest.mark.parametrize("examples", [8, pytest.param(25, marks=pytest.mark.slow)])
+def test_beside_thin_slabs_it_is_as_long_as_in_the_whole_graph(examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(seed=SEEDS)
+    def check(seed):
+        assert_as_the_whole_graph(with_slabs(lattice(seed, away=1.0), seed))
+
+    check()
 
 
 @settings(max_examples=15, deadline=None)

@@ -7,6 +7,7 @@ import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from helpers.event_files import EVERYTHING, shown
+from helpers.slow import slow_but
 from helpers.small_commands import assert_same_learning
 from helpers.trainings import EVOLUTION, assert_same_weights, train
 from swarm_gym import files
@@ -136,7 +137,7 @@ def test_what_a_killed_process_left_is_removed_when_the_run_goes_on(tmp_path):
     assert not left.exists()
 
 
-@pytest.mark.parametrize("hours", [-1, 1])
+@pytest.mark.parametrize("hours", slow_but([-1], [-1, 1]))
 def test_a_clock_that_is_set_meanwhile_does_not_matter(tmp_path, monkeypatch, capsys, hours):
     train(tmp_path, name="whole", **LITTLE).run()
     train(tmp_path, name="it", **{**LITTLE, "total_steps": LITTLE["total_steps"] // 3}).run()
@@ -152,7 +153,9 @@ def whole(tmp_path_factory, plain_pictures):
     return train(tmp_path_factory.mktemp("whole"), **LITTLE).run().parent
 
 
-@pytest.mark.parametrize("stop", ["_validate", "_save_checkpoint", "_write_hyperparameters"])
+@pytest.mark.parametrize(
+    "stop", slow_but(["_save_checkpoint"], ["_validate", "_save_checkpoint", "_write_hyperparameters"])
+)
 def test_a_training_that_was_stopped_shows_every_event_once(whole, tmp_path, monkeypatch, stop):
     run = train(tmp_path, **LITTLE)
     true, calls = getattr(run, stop), []

@@ -87,7 +87,7 @@ def test_values_are_those_of_ioh(function, dimension, instance):
 
 
 @functions
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.data())
 def test_values_are_those_of_the_definition(function, data):
     """Compare with the oracle, outside of the domain too."""

@@ -11,6 +11,7 @@ import shapely
 
 from helpers.refusals import refused
 from helpers.shapes import shape
+from helpers.slow import slow_but
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import Circle, expand_name, make_scenario, make_scenarios
@@ -20,6 +21,10 @@ from swarm_gym.scenarios.dynamic.fields import FIRST, LAST, SPLITS
 from swarm_gym.scenarios.random_fields import SPLITS as FIXED_SPLITS
 
 NUMBER = 40
+
+
+# Fields of the splits differ in their seeds alone, but for those whose obstacles move.
+every_kind = pytest.mark.parametrize("split", slow_but(["train", "moving"], SPLITS))
 
 
 @cache
@@ -52,15 +57,16 @@ def test_a_field_is_the_same_on_every_machine_and_in_every_version(name, digest)
     assert hashlib.sha256(content.encode()).hexdigest()[:16] == digest
 
 
-@pytest.mark.parametrize("split", SPLITS)
+@every_kind
 def test_kinds_of_events_belong_to_splits(split):
     kinds = Counter(type(event) for field in fields(split) for event in field.events)
     assert set(kinds) == ({Move} if split == "moving" else {Appear, Disappear})
     assert min(kinds.values()) >= 15
 
 
-def test_one_to_three_events_follow_iterations_from_the_whole_episode():
-    many = fields("train", 200)
+@pytest.mark.parametrize("number", [NUMBER, pytest.param(200, marks=pytest.mark.slow)])
+def test_one_to_three_events_follow_iterations_from_the_whole_episode(number):
+    many = fields("train", number)
     assert set(Counter(len(field.events) for field in many)) == {1, 2, 3}
     times = np.array([event.iteration for field in many for event in field.events])
     assert times.min() < 10
@@ -70,7 +76,7 @@ def test_one_to_three_events_follow_iterations_from_the_whole_episode():
     assert all(len({e.iteration for e in field.events}) == len(field.events) for field in many)
 
 
-@pytest.mark.parametrize("split", SPLITS)
+@every_kind
 def test_after_every_event_a_path_of_waypoints_is_free(split):
     for field in fields(split):
         for world in field.worlds:
@@ -78,7 +84,7 @@ def test_after_every_event_a_path_of_waypoints_is_free(split):
             assert [problem.evaluate(offsets)[1] for offsets in problem.bounds] == [0.0, 0.0]
 
 
-@pytest.mark.parametrize("split", SPLITS)
+@every_kind
 def test_the_shortest_way_is_free_in_every_world(split):
     for field in fields(split)[:15]:
         for world in field.worlds:

@@ -18,7 +18,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 
 @given(seed=SEEDS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_a_small_cell_is_blocked_exactly_if_a_point_of_it_is_too_close(seed):
     rng = np.random.default_rng(seed)
     blocked = rng.random(rng.integers(3, 15, 2)) < 0.1

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helpers.builders import random_circle, random_polygon, random_scenario
+from helpers.slow import slow_but
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, Polygon, Scenario, make_scenario, rasterised
@@ -33,10 +34,18 @@ def depth(obstacle, shape):
     return -polygon.distance(shape) or polygon.intersection(shape).area
 
 
-@pytest.mark.parametrize("make", [random_circle, random_polygon])
+GEOMETRIES = [
+    (1.0, (0, 0), False), (0.7, (-3.0, 4.0), True), (0.3, (-1.0, 5.0), False), (2.0, (-1.0, 5.0), True),
+]  # fmt: skip
+SHAPES = (random_circle, random_polygon)
+
+
 @pytest.mark.parametrize(
-    ("resolution", "origin", "y_up"),
-    [(1.0, (0, 0), False), (0.7, (-3.0, 4.0), True), (0.3, (-1.0, 5.0), False), (2.0, (-1.0, 5.0), True)],
+    ("make", "resolution", "origin", "y_up"),
+    slow_but(
+        [(SHAPES[0], *GEOMETRIES[1]), (SHAPES[1], *GEOMETRIES[1]), (SHAPES[1], *GEOMETRIES[2])],
+        [(make, *geometry) for geometry in GEOMETRIES for make in SHAPES],
+    ),
 )
 @settings(deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))

@@ -231,7 +231,7 @@ def test_an_environment_of_tensors_gives_the_rollout_of_one_of_arrays(tmp_path, 
     "options",
     [
         {**HELD, "averaging": 0.5, "branches": (85, 95), "decay_steps": 4 * STEPS},
-        {**EACH_STEP, "noise_steps": 4},
+        pytest.param({**EACH_STEP, "noise_steps": 4}, marks=pytest.mark.slow),
     ],
     ids=["held noise", "base on the host"],
 )

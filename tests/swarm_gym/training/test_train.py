@@ -64,9 +64,9 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
             marks=pytest.mark.slow,
         ),
         # The last rollouts replace the first ones in the memory of DQN.
-        (2, 4, DQN),
+        pytest.param(2, 4, DQN, marks=pytest.mark.slow),
         # With a whole covariance, and with its diagonal.
-        (4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": ()}),
+        pytest.param(4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": ()}, marks=pytest.mark.slow),
         pytest.param(4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": (20,)}, marks=pytest.mark.slow),
     ],
 )

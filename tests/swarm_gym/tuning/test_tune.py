@@ -9,6 +9,7 @@ import pytest
 
 from agents import make_controller
 from agents.tune import main, read_command_line
+from helpers.slow import slow_but
 from swarm_gym.controllers.fixed import Fixed
 from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop
@@ -161,7 +162,8 @@ def test_a_constant_is_one_decision():
     assert 10 < actions[0, 0] < 165
 
 
-@pytest.mark.parametrize("what", TUNERS)
+# Open loops, loops that react, and one of the families that a study of Optuna tunes.
+@pytest.mark.parametrize("what", slow_but([*BY_EVOLUTION, "schedule"], TUNERS))
 def test_a_result_is_a_controller_with_what_it_was_made_with(tmp_path, what):
     run = tune(tmp_path, what, rounds=2, output=tmp_path / "elsewhere" / "mine.json")
     path = run.run()
