@@ -24,6 +24,7 @@ from swarm_gym.reference.grid_input import as_grid, as_point
 from swarm_gym.reference.grid_sight import SHIFT, make_sight, make_sight_grid
 
 Point = tuple[float, float]
+Queue = list[tuple[float, int]]  # least length of a whole path, and number of an arrival
 
 # Work is counted in rows of the grid that are compared with a tangent. Other steps count as so many rows: a
 # row near a corner when its arcs are found, a corner that the search reaches, a tangent that it follows.
@@ -154,7 +155,12 @@ class DiscPlanner:
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]
         if strip_is_free(self._grid, *shifted[0], *shifted[1], self._radius - SLACK):
             return math.dist(*ends), np.array(ends)
-        found = self._search(shifted[0], shifted[1], is_stopped)
+        queue: Queue = []
+        try:
+            found = self._search(shifted[0], shifted[1], queue, is_stopped)
+        finally:
+            while queue:
+                del queue[-AT_A_TIME:]
         if found is None:
             raise NoPathError(
                 f"blocked cells leave no passage {2.0 * self._radius:g} cells wide between start {ends[0]} "
@@ -179,9 +185,12 @@ class DiscPlanner:
         return x, y
 
     def _search(
-        self, start: Point, goal: Point, is_stopped: Callable[[], bool]
+        self, start: Point, goal: Point, queue: Queue, is_stopped: Callable[[], bool]
     ) -> tuple[float, list[Arc]] | None:
-        """Return length and arcs of the shortest path that is not straight; None if there is none."""
+        """Return length and arcs of the shortest path that is not straight; None if there is none.
+
+        The queue is empty at first, and afterwards has what was not taken from it.
+        """
         sight = make_sight(self._grid)
         first = tangents_from_point(self._grid, self._arcs, *start, self._radius, sight)
         last = tangents_from_point(self._grid, self._arcs, *goal, self._radius, sight)
@@ -189,7 +198,6 @@ class DiscPlanner:
         to_goal: dict[int, list[tuple[float, float]]] = {}
         for lane, angle, length in zip(last.to_lanes ^ 1, last.to_angles, last.lengths, strict=True):
             to_goal.setdefault(int(lane), []).append((float(angle), float(length)))
-        queue: list[tuple[float, int]] = []  # least length of the whole path, and number of an arrival
         arrivals = _Arrivals()
 
         def enter(length: float, lane: int, angle: float, before: int, left_at: float) -> None:
@@ -215,8 +223,6 @@ class DiscPlanner:
             _, arrival = heapq.heappop(queue)
             length, entered = arrivals.lengths[arrival], arrivals.lanes[arrival]
             if entered == GOAL:
-                while queue:
-                    del queue[-AT_A_TIME:]
                 return length, self._arcs_of(arrivals, arrival)
             sign = 1.0 if entered % 2 else -1.0
             key = sign * arrivals.angles[arrival]
