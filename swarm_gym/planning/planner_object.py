@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
-from swarm_gym.errors import NoPathError, SettingError
+from swarm_gym.errors import SettingError
 from swarm_gym.planning.any_run import run_of
 from swarm_gym.planning.drive_run import DriveRun
 from swarm_gym.planning.maps import AnyMap, read_cells
@@ -19,13 +19,10 @@ from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
 from swarm_gym.planning.tasks import read_task
+from swarm_gym.planning.worker import Worker
 from swarm_gym.reference.shortest import prepare
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Point, Scenario
 from swarm_gym.scenarios.graded_map import GradedMap, Grading
-
-LOOK = 0.002  # seconds between two looks at an event of the caller
-GRACE = 0.004  # seconds that a run has to end by itself when its time is nearly up
-EARLY = 0.010  # seconds before the limit at which planning ends
 
 
 class Planner:
@@ -33,7 +30,7 @@ class Planner:
 
     Each call of `plan` works in a thread of its own. Several threads may call it at a time. When the time is
     up or planning is cancelled, the call returns the best path so far. A calculation that cannot be stopped
-    goes on in its thread until it ends, and its result is dropped.
+    goes on in its thread until it ends, and its result is dropped. The interpreter waits for it at its end.
     """
 
     def __init__(
@@ -146,6 +143,7 @@ class Planner:
             ScenarioError: for a start or goal that is invalid.
             SettingError: for another value that is invalid.
             NoPathError: if there is no path, or none is known when planning ends.
+            RuntimeError: if the interpreter ends.
         """
         began = time.monotonic()
         rest = None if previous is None or start is None else _rest_from(previous, start)
@@ -168,10 +166,11 @@ class Planner:
         )
         if cancel is not None and not isinstance(cancel, threading.Event):
             raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
-        work = _Work(self, start, goal, request, began)
+        work = Worker(lambda worker: self._begin(start, goal, request, worker), began)
         with self._lock:
             self._stops.add(work.stop)
         try:
+            work.start()
             return work.result_by(began + max_seconds if max_seconds is not None else None, cancel)
         finally:
             work.stop.set()
@@ -185,10 +184,17 @@ class Planner:
                 stop.set()
 
     def _begin(
-        self, start: Point | None, goal: Point | None, request: Request, work: "_Work"
+        self, start: Point | None, goal: Point | None, request: Request, work: Worker
     ) -> PlanningRun | DriveRun:
         task = read_task(
-            self._where, start, goal, self._margin, self._workspace, self._coordinates, self._grading
+            self._where,
+            start,
+            goal,
+            self._margin,
+            self._workspace,
+            self._coordinates,
+            self._grading,
+            work.stop.is_set,
         )
         return run_of(task, request, work.began, work.stop.is_set)
 
@@ -203,59 +209,6 @@ class Planner:
             grid = where if isinstance(where, GridMap) else where.map
             _ = grid.components  # kept by the map
             prepare(grid, self._margin)
-
-
-class _Work:
-    """One run in a thread of its own.
-
-    Attributes:
-        began: time of the monotonic clock when it began.
-        stop: event that ends it.
-    """
-
-    def __init__(
-        self, planner: Planner, start: Point | None, goal: Point | None, request: Request, began: float
-    ):
-        self.began, self.stop = began, threading.Event()
-        self._run: PlanningRun | DriveRun | None = None
-        self._plan: Plan | None = None
-        self._error: BaseException | None = None
-        self._done = threading.Event()
-
-        def work() -> None:
-            try:
-                self._run = planner._begin(start, goal, request, self)
-                self._plan = self._run.run()
-            except BaseException as error:  # the caller raises it
-                self._error = error
-            finally:
-                self._done.set()
-
-        threading.Thread(target=work, name="swarm_gym.plan", daemon=True).start()
-
-    def result_by(self, limit: float | None, cancel: threading.Event | None) -> Plan:
-        """Return the plan, or the best one so far when a time has come or planning is cancelled."""
-        why = self._wait(limit, cancel)
-        self.stop.set()
-        if why is not None:
-            self._done.wait(GRACE)
-        if self._error is not None:
-            raise self._error
-        if self._plan is not None:
-            return self._plan
-        so_far = None if self._run is None else self._run.best_so_far()
-        if so_far is None:
-            raise NoPathError(f"no path was known when {why}; a longer time may help")
-        return so_far
-
-    def _wait(self, limit: float | None, cancel: threading.Event | None) -> str | None:
-        """Wait for the end of the run; return why it is not awaited, or None at its end."""
-        while not self._done.wait(LOOK):
-            if self.stop.is_set() or (cancel is not None and cancel.is_set()):
-                return "planning was cancelled"
-            if limit is not None and time.monotonic() >= limit - EARLY:
-                return f"the time of {limit - self.began:g} s was up"
-        return None
 
 
 def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:

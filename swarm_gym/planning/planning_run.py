@@ -22,6 +22,7 @@ from swarm_gym.planning.wished_path import improved, wished_path
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
+from swarm_gym.reference.disc_planner import StoppedError
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +61,7 @@ class PlanningRun:
 
         Raises:
             NoPathError: if there is no path, or none was found within the budget.
+            StoppedError: if planning shall end, and nothing else than the best path so far is to be had.
         """
         task, request = self._task, self._request
         exact = task.shortest if request.planner == "auto" else None
@@ -68,6 +70,8 @@ class PlanningRun:
         stopped = False
         if (exact is None and self._wished is None) or request.names_swarm:
             stopped = self._search()
+            if self._is_stopped():
+                raise StoppedError
         if not self.improvements and request.planner == "auto":
             stand_in = certified(task, shortest_path(task.grown)[1])
             if stand_in is not None:

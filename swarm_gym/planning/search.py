@@ -93,7 +93,7 @@ class Search:
             most_evaluations: evaluations after which no further episode begins.
             limit: time of the monotonic clock at which the last episode ends.
             most_episodes: number of episodes.
-            is_stopped: whether planning shall end; asked after each iteration.
+            is_stopped: whether planning shall end; asked before and after each iteration.
         """
         try:
             while True:
@@ -115,10 +115,16 @@ class Search:
         Its best paths are kept at its end. If the time is limited, they are also kept after 1, 2, 4, 8, ...
         iterations, and after all of them as long as no path is known: always after the same iterations, so
         that with more time the path is never longer.
+
+        Kernels may be compiled for seconds before the first iteration. No other one is begun after a stop.
         """
+        if is_stopped():
+            return
         self._guide = self._next_guide()
         self._controller.reset(1, self._seed)
         observation, info = self._env.reset(seed=self._seed, options=self._first())
+        if is_stopped():
+            return
         if self._guide is not None:
             self._keep(self._guide, "guide")
         self._seed += 1

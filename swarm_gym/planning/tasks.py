@@ -1,6 +1,7 @@
 """Tasks of planning: a map with start and goal as it is given, and as the planner works on it."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from swarm_gym.planning.maps import AnyMap, read_any_map
 from swarm_gym.planning.workspace import read_workspace
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.reference import known_robot_path, shortest_path
+from swarm_gym.reference.disc_planner import never
 from swarm_gym.scenarios import GridScenario, MapScenario, Point, Scenario, grown
 from swarm_gym.scenarios.formats.geographic import Projection, require_coordinates
 from swarm_gym.scenarios.graded_map import Grading
@@ -37,6 +39,7 @@ class Task:
         goal: goal in the user's coordinates.
         projection: projection from the user's longitudes and latitudes to map units, which are metres then;
             None if the user's coordinates are map units.
+        is_stopped: whether planning shall end; the exact planner of a disc asks for it, again and again.
     """
 
     given: MapScenario
@@ -46,6 +49,7 @@ class Task:
     start: Point
     goal: Point
     projection: Projection | None
+    is_stopped: Callable[[], bool] = field(default=never, repr=False, compare=False)
 
     @property
     def costs(self) -> Floats | None:
@@ -89,10 +93,12 @@ class Task:
 
         Raises:
             NoPathError: if there is none.
+            StoppedError: if planning shall end before it is known.
         """
         if isinstance(self.given, GridScenario):
-            too_large = self.given.map.blocked.size > MOST_CELLS
-            return None if too_large else known_robot_path(self.given, self.margin)
+            if self.given.map.blocked.size > MOST_CELLS:
+                return None
+            return known_robot_path(self.given, self.margin, self.is_stopped)
         assert isinstance(self.grown, Scenario)
         return None if len(self.grown.solids) > MOST_OBSTACLES else shortest_path(self.grown)
 
@@ -117,6 +123,7 @@ def read_task(
     workspace: str | Path | ArrayLike | None = None,
     coordinates: str | None = None,
     grading: Grading | None = None,
+    is_stopped: Callable[[], bool] = never,
 ) -> Task:
     """Return the task on a map.
 
@@ -129,6 +136,7 @@ def read_task(
         workspace: box, polygon or file of what the robot stays in, see `read_workspace`; None for no limit.
         coordinates: kind of the user's coordinates, see `COORDINATES`; None takes what the file names.
         grading: meaning of the grades of a file; None for free and blocked cells only.
+        is_stopped: whether planning shall end; the task asks for it again and again.
 
     Raises:
         ScenarioError: for a file that is missing or malformed, or an end that is outside the map or the
@@ -148,10 +156,10 @@ def read_task(
     if isinstance(given, GridScenario):
         require_room(given, margin)
         bare = replace(given, ground=None)  # whose costs nothing that works on it weighs
-        return Task(given, margin, Frame(), bare, *ends, projection)
+        return Task(given, margin, Frame(), bare, *ends, projection, is_stopped)
     frame = Frame.of(given)
     try:
-        task = Task(given, margin, frame, frame.moved(given), *ends, projection)
+        task = Task(given, margin, frame, frame.moved(given), *ends, projection, is_stopped)
         _ = task.grown  # making it checks the ends
     except ScenarioError as error:
         raise ScenarioError(_refusal(given, margin) or str(error)) from error

@@ -7,9 +7,9 @@ corners. A corner looks for its tangents when a path first reaches it.
 
 import heapq
 import math
+from array import array
 from bisect import bisect_left
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from itertools import count
 
 import numpy as np
@@ -24,26 +24,44 @@ from swarm_gym.reference.grid_input import as_grid, as_point
 from swarm_gym.reference.grid_sight import SHIFT, make_sight, make_sight_grid
 
 Point = tuple[float, float]
+Queue = list[tuple[float, int]]  # least length of a whole path, and number of an arrival
 
 # Work is counted in rows of the grid that are compared with a tangent. Other steps count as so many rows: a
 # row near a corner when its arcs are found, a corner that the search reaches, a tangent that it follows.
 PER_ROW, PER_CORNER, PER_STEP = 10, 5_000, 100
 BACK = 1e-9  # angle by which a tangent may leave a circle before another one reaches it: rounding errors
 GOAL = -1  # in place of a lane
+AT_A_TIME = 5_000  # entries of a queue that are freed at a time: other threads run only in between
 
 
 class TooMuchWorkError(Exception):
     """The search for a path was given up, since it takes more work than was allowed."""
 
 
-@dataclass
-class _Lane:
-    """Tangents that leave a lane, in the order in which a path along it comes to them."""
+class StoppedError(Exception):
+    """The search for a path was ended by its caller."""
 
-    keys: list[float] = field(default_factory=list)  # angles, or -angles where the path turns to smaller ones
-    to_lanes: list[int] = field(default_factory=list)
-    to_angles: list[float] = field(default_factory=list)
-    lengths: list[float] = field(default_factory=list)
+
+def never() -> bool:
+    """Return False: a calculation is not stopped."""
+    return False
+
+
+class _Lane:
+    """Tangents that leave a lane, in the order in which a path along it comes to them.
+
+    Attributes:
+        keys: angles, or -angles where the path turns to smaller ones.
+        to_lanes: lane that each tangent enters.
+        to_angles: angle at which it enters that lane.
+        lengths: length of the tangent.
+    """
+
+    __slots__ = ("keys", "lengths", "to_angles", "to_lanes")
+
+    def __init__(self) -> None:
+        self.keys, self.to_angles, self.lengths = array("d"), array("d"), array("d")
+        self.to_lanes = array("q")
 
     def add(self, key: float, to_lane: int, to_angle: float, length: float) -> None:
         """Add a tangent that leaves the lane behind all others."""
@@ -53,14 +71,32 @@ class _Lane:
         self.lengths.append(length)
 
 
-@dataclass(frozen=True)
-class _Arrival:
-    """A place where a path from the start enters a lane, after it left the lane of the arrival before."""
+class _Arrivals:
+    """Places where paths from the start enter a lane, after they left the lane of the arrival before.
 
-    lane: int
-    angle: float
-    before: "_Arrival | None"
-    left_at: float  # the angle at which it left that lane
+    A search has hundreds of thousands. They are arrays and no objects: Python's collector of garbage would
+    look at objects again and again, and no other thread would run meanwhile.
+
+    Attributes:
+        lanes: lane that is entered, or `GOAL`.
+        angles: angle at which it is entered.
+        before: number of the arrival before; -1 at the start.
+        left_at: angle at which the lane of the arrival before was left.
+        lengths: length of the path so far.
+    """
+
+    def __init__(self) -> None:
+        self.lanes, self.before = array("q"), array("q")
+        self.angles, self.left_at, self.lengths = array("d"), array("d"), array("d")
+
+    def add(self, lane: int, angle: float, before: int, left_at: float, length: float) -> int:
+        """Add an arrival, and return its number."""
+        self.lanes.append(lane)
+        self.angles.append(angle)
+        self.before.append(before)
+        self.left_at.append(left_at)
+        self.lengths.append(length)
+        return len(self.lanes) - 1
 
 
 class DiscPlanner:
@@ -95,9 +131,14 @@ class DiscPlanner:
         self._work_at: dict[int, int] = {}  # by corner
 
     def shortest_path(
-        self, start: Sequence[float], goal: Sequence[float]
+        self, start: Sequence[float], goal: Sequence[float], is_stopped: Callable[[], bool] = never
     ) -> tuple[float, NDArray[np.float64]]:
         """Return the shortest path of the centre between two points (column, row).
+
+        Args:
+            start: (column, row) of its first point.
+            goal: (column, row) of its last point.
+            is_stopped: whether the search shall end; asked whenever it follows a path further.
 
         Returns:
             Its length in cells, and a polyline, (k, 2), which is not closer to blocked cells than the disc's
@@ -108,12 +149,18 @@ class DiscPlanner:
             NoPathError: if the disc does not fit through between the ends.
             TooMuchWorkError: if the search takes more work than is allowed. What earlier searches found
                 counts again, so that this does not depend on the order of calls.
+            StoppedError: if the search was ended.
         """
         ends = [self._free_point(start, "start"), self._free_point(goal, "goal")]
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]
         if strip_is_free(self._grid, *shifted[0], *shifted[1], self._radius - SLACK):
             return math.dist(*ends), np.array(ends)
-        found = self._search(*shifted)
+        queue: Queue = []
+        try:
+            found = self._search(shifted[0], shifted[1], queue, is_stopped)
+        finally:
+            while queue:
+                del queue[-AT_A_TIME:]
         if found is None:
             raise NoPathError(
                 f"blocked cells leave no passage {2.0 * self._radius:g} cells wide between start {ends[0]} "
@@ -137,8 +184,13 @@ class DiscPlanner:
             )
         return x, y
 
-    def _search(self, start: Point, goal: Point) -> tuple[float, list[Arc]] | None:
-        """Return length and arcs of the shortest path that is not straight; None if there is none."""
+    def _search(
+        self, start: Point, goal: Point, queue: Queue, is_stopped: Callable[[], bool]
+    ) -> tuple[float, list[Arc]] | None:
+        """Return length and arcs of the shortest path that is not straight; None if there is none.
+
+        The queue is empty at first, and afterwards has what was not taken from it.
+        """
         sight = make_sight(self._grid)
         first = tangents_from_point(self._grid, self._arcs, *start, self._radius, sight)
         last = tangents_from_point(self._grid, self._arcs, *goal, self._radius, sight)
@@ -146,37 +198,40 @@ class DiscPlanner:
         to_goal: dict[int, list[tuple[float, float]]] = {}
         for lane, angle, length in zip(last.to_lanes ^ 1, last.to_angles, last.lengths, strict=True):
             to_goal.setdefault(int(lane), []).append((float(angle), float(length)))
-        queue: list[tuple[float, int, float, _Arrival]] = []
-        numbers = count()
+        arrivals = _Arrivals()
 
-        def enter(length: float, lane: int, angle: float, before: _Arrival | None, left_at: float) -> None:
+        def enter(length: float, lane: int, angle: float, before: int, left_at: float) -> None:
             rest = 0.0
             if lane != GOAL:
                 rest = math.dist(place(self._grid, self._arcs.corners[lane // 2], angle, self._radius), goal)
-            arrival = _Arrival(lane, angle, before, left_at)
-            heapq.heappush(queue, (length + rest, next(numbers), length, arrival))
+            heapq.heappush(queue, (length + rest, arrivals.add(lane, angle, before, left_at, length)))
 
         for lane, angle, length in zip(
             first.to_lanes.tolist(), first.to_angles.tolist(), first.lengths.tolist(), strict=True
         ):
-            enter(length, lane, angle, None, 0.0)
-        shortest: dict[int, list[float]] = {}  # lengths of paths to where tangents leave a lane
+            enter(length, lane, angle, -1, 0.0)
+        shortest: dict[int, array[float]] = {}  # lengths of paths to where tangents leave a lane
         reached_corners: set[int] = set()
         work = first.work + last.work
-        while queue:
-            if work + PER_STEP * next(numbers) > self._most_work:
+        for taken in count():
+            if not queue:
+                return None
+            if work + PER_STEP * (len(arrivals.lanes) + taken) > self._most_work:
                 raise TooMuchWorkError
-            _, _, length, arrival = heapq.heappop(queue)
-            if arrival.lane == GOAL:
-                return length, self._arcs_of(arrival)
-            sign = 1.0 if arrival.lane % 2 else -1.0
-            key = sign * arrival.angle
-            lane = self._lane(arrival.lane)
-            corner = int(self._arcs.corners[arrival.lane // 2])
+            if is_stopped():
+                raise StoppedError
+            _, arrival = heapq.heappop(queue)
+            length, entered = arrivals.lengths[arrival], arrivals.lanes[arrival]
+            if entered == GOAL:
+                return length, self._arcs_of(arrivals, arrival)
+            sign = 1.0 if entered % 2 else -1.0
+            key = sign * arrivals.angles[arrival]
+            lane = self._lane(entered)
+            corner = int(self._arcs.corners[entered // 2])
             if corner not in reached_corners:
                 reached_corners.add(corner)
                 work += self._work_at[corner]
-            lengths = shortest.setdefault(arrival.lane, [math.inf] * len(lane.keys))
+            lengths = shortest.setdefault(entered, array("d", [math.inf]) * len(lane.keys))
             for k in range(bisect_left(lane.keys, key - BACK), len(lane.keys)):
                 reached = length + self._radius * max(lane.keys[k] - key, 0.0)
                 if lengths[k] <= reached:
@@ -184,7 +239,7 @@ class DiscPlanner:
                 lengths[k] = reached
                 reached += lane.lengths[k]
                 enter(reached, lane.to_lanes[k], lane.to_angles[k], arrival, sign * lane.keys[k])
-            for angle, rest in to_goal.get(arrival.lane, ()):
+            for angle, rest in to_goal.get(entered, ()):
                 if sign * angle >= key - BACK:
                     reached = length + self._radius * max(sign * angle - key, 0.0)
                     enter(reached + rest, GOAL, 0.0, arrival, angle)
@@ -209,11 +264,11 @@ class DiscPlanner:
             self._lanes.update(made)
         return self._lanes[lane]
 
-    def _arcs_of(self, arrival: _Arrival) -> list[Arc]:
+    def _arcs_of(self, arrivals: _Arrivals, last: int) -> list[Arc]:
         """Return the arcs of a path that ends with an arrival at the goal."""
         arcs = []
-        while arrival.before is not None:
-            before = arrival.before
-            arcs.append(Arc(int(self._arcs.corners[before.lane // 2]), before.angle, arrival.left_at))
-            arrival = before
+        while (before := arrivals.before[last]) >= 0:
+            corner = int(self._arcs.corners[arrivals.lanes[before] // 2])
+            arcs.append(Arc(corner, arrivals.angles[before], arrivals.left_at[last]))
+            last = before
         return arcs[::-1]

@@ -1,6 +1,7 @@
 """The exact shortest path on any scenario, whatever its map."""
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.reference import visibility
 from swarm_gym.reference.any_angle import AnyAnglePlanner
-from swarm_gym.reference.disc_planner import DiscPlanner, TooMuchWorkError
+from swarm_gym.reference.disc_planner import DiscPlanner, TooMuchWorkError, never
 from swarm_gym.scenarios import (
     AnyScenario,
     DynamicScenario,
@@ -55,7 +56,10 @@ def shortest_path(scenario: AnyScenario) -> tuple[float, Floats]:
 
 
 def shortest_robot_path(
-    scenario: GridScenario, margin: float, most_work: float = math.inf
+    scenario: GridScenario,
+    margin: float,
+    most_work: float = math.inf,
+    is_stopped: Callable[[], bool] = never,
 ) -> tuple[float, Floats]:
     """Return the shortest path from start to target that keeps a margin from all blocked cells of a grid map.
 
@@ -66,6 +70,7 @@ def shortest_robot_path(
         scenario: the map, with start and target.
         margin: radius of the disc in map units; 0 is `shortest_path`.
         most_work: work after which the search is given up, in rows of the grid, see `disc_planner`.
+        is_stopped: whether the search shall end; asked again and again, unless the margin is 0.
 
     Returns:
         The length in map units, arcs included. A polyline in map coordinates, (k, 2), that keeps the margin
@@ -75,13 +80,15 @@ def shortest_robot_path(
         ScenarioError: if an end is closer to a blocked cell than the margin.
         NoPathError: if the disc does not fit through between the ends.
         TooMuchWorkError: if the search takes more work than is allowed.
+        StoppedError: if it was ended.
     """
     if margin == 0.0:
         return shortest_path(scenario)
     grid = scenario.map
     planner = _disc_planner(grid, margin / grid.resolution, most_work)
     try:
-        length, points = planner.shortest_path(*grid.to_cells([scenario.start, scenario.target]).tolist())
+        start, goal = grid.to_cells([scenario.start, scenario.target]).tolist()
+        length, points = planner.shortest_path(start, goal, is_stopped)
     except NoPathError as error:
         raise NoPathError(
             f"scenario {shown(scenario.name)} on map {grid.name!r}: no path leads from start "
@@ -93,10 +100,16 @@ def shortest_robot_path(
     return length * grid.resolution, path
 
 
-def known_robot_path(scenario: GridScenario, margin: float) -> tuple[float, Floats] | None:
-    """Return what `shortest_robot_path` returns; None if that takes more work than `MOST_WORK`."""
+def known_robot_path(
+    scenario: GridScenario, margin: float, is_stopped: Callable[[], bool] = never
+) -> tuple[float, Floats] | None:
+    """Return what `shortest_robot_path` returns; None if that takes more work than `MOST_WORK`.
+
+    Raises:
+        StoppedError: if `is_stopped` ended the search.
+    """
     try:
-        return shortest_robot_path(scenario, margin, MOST_WORK)
+        return shortest_robot_path(scenario, margin, MOST_WORK, is_stopped)
     except TooMuchWorkError:
         return None
 

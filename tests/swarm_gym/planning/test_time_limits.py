@@ -1,5 +1,9 @@
-"""Time limits of planning: the search of wishes looks at the clock, and other threads run while it works."""
+"""Time limits of planning: searches look at the clock, other threads run meanwhile, and no thread is left."""
 
+import gc
+import subprocess
+import sys
+import textwrap
 import time
 
 import numpy as np
@@ -8,11 +12,14 @@ from numba.core import event
 from scipy import sparse
 from scipy.sparse import csgraph
 
+from swarm_gym.errors import NoPathError
 from swarm_gym.planning import GradedMap, Planner, plan
 from swarm_gym.planning.cell_graph import cheapest_way
 from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.tasks import read_task
+from swarm_gym.reference import DiscPlanner
+from swarm_gym.reference.disc_planner import StoppedError
 from swarm_gym.scenarios import GridMap
 
 LONGEST = 0.02  # seconds of processor time between two looks of the search at the clock
@@ -133,3 +140,102 @@ def test_nothing_is_compiled_for_wishes(margin):
             found = planner.plan((2.0, 2.0), (27.0, 27.0), alternatives=2)
         assert recorder.buffer == []
         assert found.costs["sum"] >= found.length
+
+
+def random_blocks(side, share):
+    blocked = np.random.default_rng(side).random((side, side)) < share
+    blocked[:8, :8] = blocked[-8:, -8:] = False
+    return blocked
+
+
+def stretches_of_a_disc(blocked):
+    """Seconds of processor time between two looks of a search that has prepared nothing."""
+    planner, looks = DiscPlanner(blocked, 0.4), []
+
+    def is_stopped():
+        looks.append(time.thread_time())
+        return False
+
+    side = len(blocked)
+    gc.collect()
+    gc.freeze()  # as docs/planning-programs.md advises
+    try:
+        planner.shortest_path((1.0, 1.0), (side - 2.0, side - 2.0), is_stopped)
+    finally:
+        gc.unfreeze()
+    return np.diff(looks)
+
+
+def test_the_search_of_a_disc_looks_at_the_clock():
+    stretches_of_a_disc(random_blocks(30, 0.1))  # loads the kernels
+    stretches = [stretches_of_a_disc(random_blocks(400, 0.1)) for _ in range(REPEATS)]
+    assert min(map(len, stretches)) > 50
+    assert min(one.max() for one in stretches) < LONGEST
+
+
+def test_a_search_of_a_disc_that_was_stopped_leaves_the_planner_as_good():
+    blocked, looks = random_blocks(100, 0.1), []
+    planner = DiscPlanner(blocked, 0.4)
+
+    def is_stopped():
+        looks.append(1)
+        return len(looks) > 20
+
+    with pytest.raises(StoppedError):
+        planner.shortest_path((1.0, 1.0), (98.0, 98.0), is_stopped)
+    assert len(looks) == 21
+    length, path = planner.shortest_path((1.0, 1.0), (98.0, 98.0))
+    expected, points = DiscPlanner(blocked, 0.4).shortest_path((1.0, 1.0), (98.0, 98.0))
+    assert length == expected
+    np.testing.assert_array_equal(path, points)
+
+
+def test_a_disc_that_is_cancelled_has_no_path(monkeypatch):
+    planner = Planner(GridMap("random", random_blocks(100, 0.1)), robot_radius=0.4)
+    monkeypatch.setattr(DiscPlanner, "shortest_path", lambda *_: (_ for _ in ()).throw(StoppedError))
+    with pytest.raises(NoPathError, match="no path was known when planning was cancelled"):
+        planner.plan((1.0, 1.0), (98.0, 98.0))
+
+
+AT_THE_END = """
+    import atexit, threading, time
+
+    @atexit.register  # called after the planner's, which is registered later
+    def plan_too_late():
+        try:
+            planner.plan((0.0, 0.0), (8.0, 8.0))
+        except RuntimeError as error:
+            print(error)
+
+    import numpy as np
+    from swarm_gym.errors import NoPathError
+    from swarm_gym.planning import Planner
+    from swarm_gym.planning.planning_run import PlanningRun
+    from swarm_gym.scenarios import GridMap
+
+    def run(self):
+        while not self._is_stopped():
+            time.sleep(0.001)
+        time.sleep(0.5)  # what cannot be stopped
+        print("a run has ended")
+
+    planner = Planner(GridMap("empty", np.zeros((9, 9), dtype=np.bool_)))
+    PlanningRun.run = run
+    call = lambda: planner.plan((0.0, 0.0), (8.0, 8.0))
+    threading.Thread(target=call, daemon=True).start()
+    try:
+        planner.plan((0.0, 0.0), (8.0, 8.0), max_seconds=0.1)
+    except NoPathError:
+        print("the program ends")
+"""
+
+
+def test_the_interpreter_waits_for_runs_when_it_ends():
+    """Python frees compiled code and LLVM's objects at its end: a thread that used them crashed."""
+    command = [sys.executable, "-c", textwrap.dedent(AT_THE_END)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=120)
+    expected = ["the program ends", "a run has ended", "a run has ended"]
+    assert done.stdout.splitlines() == [
+        *expected,
+        "the interpreter ends: expected calls of plan before the program's end",
+    ]
