@@ -18,9 +18,10 @@ SHOWN = (
 
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
-    "L-SHADE, waypoints, guided", "fireflies, waypoints, guided", "PSO, waypoints, guided",
-    "CMA-ES, waypoints, guided", PLANNED, "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
-    "niapy L-SHADE, waypoints", "PSO, spherical, uniform", "cmaes CMA-ES, spherical",
+    "L-SHADE, constants, with sources, waypoints, guided", "L-SHADE, SPSFA-TIP, waypoints, guided",
+    "L-SHADE, waypoints, guided", "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
+    "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
+    "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of its appendix, over the terrains on which controllers ran.
 BESIDE_CONTROL = (
@@ -28,9 +29,7 @@ BESIDE_CONTROL = (
     "L-SHADE, learned, size and phi, waypoints, guided",
     "L-SHADE, blind schedule, with sources, waypoints, guided",
     "L-SHADE, blind schedule, size and phi, waypoints, guided",
-    "L-SHADE, constants, with sources, waypoints, guided",
     "L-SHADE, constants, size and phi, waypoints, guided",
-    "L-SHADE, SPSFA-TIP, waypoints, guided",
     *IN_SHORT,
     "L-SHADE, spherical, uniform",
 )
