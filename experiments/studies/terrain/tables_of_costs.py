@@ -20,7 +20,7 @@ SHOWN = (
 IN_SHORT = (
     "L-SHADE, constants, with sources, waypoints, guided", "L-SHADE, SPSFA-TIP, waypoints, guided",
     "L-SHADE, waypoints, guided", "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
-    "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "pymoo DE, waypoints",
+    "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "mealpy L-SHADE, waypoints",
     "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of its appendix, over the terrains on which controllers ran.
@@ -31,6 +31,7 @@ BESIDE_CONTROL = (
     "L-SHADE, blind schedule, size and phi, waypoints, guided",
     "L-SHADE, constants, size and phi, waypoints, guided",
     *IN_SHORT,
+    "pymoo DE, waypoints",
     "L-SHADE, spherical, uniform",
 )
 
