@@ -12,9 +12,10 @@ MIDDLE, LOWEST, HIGHEST = 150.0, 100.0, 200.0
 
 
 def cost(scenario, encoding, vector):
-    """Return the cost `metabox` of a flight over a published terrain, no two waypoints of which coincide.
+    """Return the cost `metabox` of a flight over a published terrain.
 
-    Coordinates begin with 1, and posts are one metre apart.
+    Coordinates begin with 1, and posts are one metre apart. Waypoints may coincide. Then the last segment
+    before a waypoint and the first one after it that have a length give the directions there.
     """
     points = [
         (x, y, _nearest(scenario, x, y) + above, above)
@@ -29,9 +30,15 @@ def cost(scenario, encoding, vector):
     )
     altitude = sum(abs(above - MIDDLE) for *_, above in points[1:-1])
     angles = 0.0
-    for one, other in pairwise(steps):
-        turn = _angle(complex(*other[:2]) / complex(*one[:2]))
-        climbs = [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in (one, other)]
+    level = [complex(*step[:2]) for step in steps]
+    for k in range(len(steps) - 1):
+        before = next((step for step in level[k::-1] if step), level[0])
+        after = next((step for step in level[k + 1 :] if step), level[-1])
+        turn = _angle(after / before) if before else 0.0
+        climbs = [
+            math.degrees(math.atan2(steps[k][2], abs(before))),
+            math.degrees(math.atan2(steps[k + 1][2], abs(after))),
+        ]
         angles += sum(angle for angle in (turn, abs(climbs[1] - climbs[0])) if angle > LIMIT)
     grounded = any(_is_grounded(scenario, before, after) for before, after in pairwise(points))
     return 5.0 * length + threats + 10.0 * altitude + angles + (PENALTY if grounded else 0.0)
