@@ -15,7 +15,7 @@ SECONDS = 3600
 comma := ,
 EXTRAS = maps,terrain,render,video,study,planners,adapters,ray,slurm
 EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
-# It asks for NumPy 1.26 or older and works with newer ones; rows over terrain compare with it.
+# Packages that rows over terrain compare with. mealpy asks for NumPy 1.26 or older and works with newer ones.
 WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters

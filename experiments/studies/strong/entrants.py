@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.evaluation.masking import load_blinded
+from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.names import BLINDED, ControllerName
+from swarm_gym.controllers.names import BLINDED
 from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
@@ -101,11 +101,8 @@ def entrants_on_bbob() -> list[Entrant]:
 
 
 def controller_of(entrant: Entrant, name: str) -> Controller:
-    """Return a controller of a row by its name."""
-    parts = ControllerName.parse(name)
-    if parts.family == BLINDED:
-        return load_blinded(parts.argument)
-    return make_controller(name, entrant.limits)
+    """Return a controller of a row by its name; policies, also blinded ones, are made once."""
+    return controller_of_name(name) if entrant.limits is None else make_controller(name, entrant.limits)
 
 
 def _reduction(rule: str) -> str:

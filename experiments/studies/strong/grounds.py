@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 from experiments.studies.strong.published import EVALUATIONS, SCENARIOS
+from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 
-# Dimensions of BBOB's functions. Policies were trained in ten; intervals are over the first three.
+# Dimensions of BBOB's functions. Policies were trained in ten; means and intervals are over the first three.
 COMPARED = (5, 10, 20)
 OTHERS = (3, 40)
 # Instances which no training, tuning or suite has.
 INSTANCES = (101, 102)
-NUM_FUNCTIONS = 24
+NUM_FUNCTIONS = len(FUNCTION_NAMES)
 EVALUATIONS_PER_DIMENSION = 2_000  # those of MetaBox's functions in ten dimensions
 
 

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from experiments.studies.strong.entrants import Entrant, controller_of
 from experiments.studies.strong.grounds import METABOX, Ground
-from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS
+from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
@@ -60,15 +60,16 @@ def measure_all(
 def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path, ground: Ground) -> Measured:
     """Return the gaps of one controller, arrays (functions, runs)."""
     made = controller_of(entrant, controller)
+    iterations = entrant.iterations * ground.evaluations // EVALUATIONS
     asked: dict[str, object] = {
         "optimizer": entrant.optimizer,
         "controller": controller,
         "identity": repr(made.identity()),
-        "iterations": entrant.iterations * ground.evaluations // EVALUATIONS,
+        "iterations": iterations,
         "runs": num_runs,
     }
     if ground.name:
-        asked |= {"scenarios": list(ground.scenarios), "evaluations": ground.evaluations}
+        asked |= {"scenarios": [*ground.scenarios], "evaluations": ground.evaluations}
     parts = (ground.name, entrant.optimizer, controller)
     name = "".join(letter if letter.isalnum() else "-" for letter in "-".join(filter(None, parts)))
     file = folder / f"{name}-{num_runs}.json"
@@ -76,18 +77,18 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path,
         stored = json.loads(file.read_text(encoding="utf-8"))
         if stored["asked"] == asked:
             return Measured(np.array(stored["final"]), np.array(stored["anytime"]))
-    found = [_run(entrant, made, scenario, num_runs, ground) for scenario in ground.scenarios]
+    row = entrant._replace(iterations=iterations)
+    found = [_run(row, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios]
     measured = Measured(*(np.stack(part) for part in zip(*found, strict=True)))
     lists = {name: part.tolist() for name, part in measured._asdict().items()}
-    named = {} if ground.name else {"functions": FUNCTIONS}
-    content = {"asked": asked, **named, **lists, "provenance": provenance()}
+    content = {"asked": asked, "scenarios": ground.scenarios, **lists, "provenance": provenance()}
     folder.mkdir(parents=True, exist_ok=True)
     write_atomically(file, json.dumps(content) + "\n")
     return measured
 
 
 def _run(
-    entrant: Entrant, controller: Controller, scenario: str, num_runs: int, ground: Ground
+    entrant: Entrant, controller: Controller, scenario: str, num_runs: int, evaluations: int
 ) -> tuple[Floats, Floats]:
     """Return gaps at the end and anytime, both (runs,), on one function."""
     episodes = run_episodes(
@@ -95,8 +96,8 @@ def _run(
         scenario,
         TEST[:num_runs],
         entrant.optimizer,
-        iterations=entrant.iterations * ground.evaluations // EVALUATIONS,
-        max_evaluations=ground.evaluations,
+        iterations=entrant.iterations,
+        max_evaluations=evaluations,
         reward="anytime",
         # The limits of a policy are in its file, and come before these.
         max_population_size=(entrant.limits or SizeLimits()).largest,

@@ -4,11 +4,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from experiments.studies.strong.grounds import COMPARED, EVALUATIONS_PER_DIMENSION, INSTANCES, OTHERS
+from experiments.studies.strong.grounds import (
+    COMPARED,
+    EVALUATIONS_PER_DIMENSION,
+    INSTANCES,
+    NUM_FUNCTIONS,
+    OTHERS,
+)
 from experiments.studies.strong.measured_gaps import Floats, Measured
+from experiments.studies.strong.tables_of_gaps import mean
 from experiments.tables import Table
-from experiments.tables.cell import MISSING, Entry, number, number_in
-from swarm_gym.comparing.bootstrap import draw, interval, means
+from experiments.tables.cell import MISSING, Entry, number
 from swarm_gym.reward import LEAST_GAP
 
 CONSTANT, SCHEDULE = "CMA-ES, constant tuned", "CMA-ES, schedule tuned"  # blind rivals
@@ -27,10 +33,10 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
     for name in names:
         row: dict[str, Entry] = {
             "row": name,
-            "at the end": _mean(final[name]),
+            "at the end": mean(final[name], len(INSTANCES)),
             "minus the tuned constant": _difference(final, name, CONSTANT),
             "minus the tuned schedule": _difference(final, name, SCHEDULE),
-            "anytime": _mean(anytime[name]),
+            "anytime": mean(anytime[name], len(INSTANCES)),
             "anytime, minus the tuned constant": _difference(anytime, name, CONSTANT),
         }
         for dimension in OTHERS:
@@ -38,13 +44,13 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
             row[f"at the end, {dimension} dimensions"] = number(gaps.mean(), ".2f")
         rows.append(row)
     runs = next(iter(measured[COMPARED[0]].values())).final.shape[2]
+    dimensions = f"{', '.join(map(str, COMPARED[:-1]))} and {COMPARED[-1]} dimensions"
     caption = (
-        f"CMA-ES on the 24 functions of BBOB, {len(INSTANCES)} instances that nothing was trained on, {runs} "
-        f"runs on each, {EVALUATIONS_PER_DIMENSION:,} evaluations for each dimension. Mean log10 of the gap, "
-        f"at least 1e-8, at the end and over all evaluations (anytime), over "
-        f"{', '.join(map(str, COMPARED[:-1]))} and {COMPARED[-1]} dimensions, and its differences to rivals "
-        "that see nothing [95 % interval over training seeds, instances and runs; functions are given]; last "
-        "in other dimensions. Lower is closer"
+        f"CMA-ES on the {NUM_FUNCTIONS} functions of BBOB, {len(INSTANCES)} instances that nothing was "
+        f"trained on, {runs} runs on each, {EVALUATIONS_PER_DIMENSION:,} evaluations for each dimension. "
+        "Mean log10 of the gap, at least 1e-8, at the end and over all evaluations (anytime), over "
+        f"{dimensions}, and its differences to rivals that see nothing [95 % interval over training seeds, "
+        "instances and runs; functions are given]; last in other dimensions. Lower is closer"
     )
     return Table.of("on-bbob", caption, rows)
 
@@ -53,20 +59,8 @@ def _logarithms(gaps: list[Floats]) -> Floats:
     return np.log10(np.maximum(np.concatenate(gaps, axis=1), LEAST_GAP))
 
 
-def _mean(values: Floats) -> Entry:
-    return number_in(float(values.mean()), _interval(values), ".2f")
-
-
 def _difference(values: Mapping[str, Floats], name: str, rival: str) -> Entry:
     """Return the difference to a rival with one training seed; runs of equal seeds are compared."""
     if name == rival:
         return MISSING
-    differences = values[name] - values[rival]
-    return number_in(float(differences.mean()), _interval(differences), "+.2f")
-
-
-def _interval(values: Floats) -> tuple[float, float]:
-    """Return the interval of the mean of values (training seeds, scenarios, runs)."""
-    seeds, scenarios, runs = values.shape
-    sets = (len(INSTANCES),) * (scenarios // len(INSTANCES))
-    return interval(means(values, draw(seeds, sets, runs)))
+    return mean(values[name] - values[rival], len(INSTANCES), "+.2f")

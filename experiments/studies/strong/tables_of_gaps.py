@@ -45,8 +45,8 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
                 sum(is_level(f, published[name][f]) for f in FUNCTIONS), ".0f"
             ),
             "average rank": number(ranks[name], ".2f"),
-            "log10 gap at the end": _mean(np.log10(np.maximum(row.final, LEAST_GAP))),
-            "log10 gap, anytime": _mean(row.anytime),
+            "log10 gap at the end": mean(np.log10(np.maximum(row.final, LEAST_GAP))),
+            "log10 gap, anytime": mean(row.anytime),
         }
         for name, row in measured.items()
     ]
@@ -65,8 +65,14 @@ def _is_learned(name: str) -> bool:
     return "learned" in name
 
 
-def _mean(values: Floats) -> Entry:
-    """Return the mean of values (training seeds, functions, runs), with its interval; functions are given."""
-    seeds, functions, runs = values.shape
-    ends = interval(means(values, draw(seeds, (1,) * functions, runs)))
-    return number_in(values.mean(), ends, ".2f")
+def mean(values: Floats, instances: int = 1, spec: str = ".2f") -> Entry:
+    """Return the mean of values with its interval; functions are given.
+
+    Args:
+        values: (training seeds, scenarios, runs), with all instances of a function side by side.
+        instances: number of instances of each function.
+        spec: format of the numbers.
+    """
+    seeds, scenarios, runs = values.shape
+    sets = (instances,) * (scenarios // instances)
+    return number_in(float(values.mean()), interval(means(values, draw(seeds, sets, runs))), spec)

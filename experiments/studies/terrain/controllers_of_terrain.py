@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from agents.evaluation.masking import load_blinded
+from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, peer_rows, swarm_rows
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
@@ -71,10 +71,8 @@ def rows() -> list[AnyRow]:
 def controller_of(row: ControlledRow, name: str) -> Controller:
     """Return a controller of a row, for episodes of its optimizer."""
     parts = ControllerName.parse(name)
-    if parts.family == BLINDED:
-        return load_blinded(parts.argument)
-    if parts.family == "learned":
-        return make_controller(name)
+    if parts.family in (BLINDED, "learned"):
+        return controller_of_name(name)
     smallest = max(2, get_optimizer(row.optimizer).smallest_population)
     largest = LARGEST_SIZE if parts.family == "open-loop" else SizeLimits().largest
     return make_controller(name, SizeLimits(smallest, largest))

@@ -3,8 +3,8 @@
 A peer sees vectors in [0, 1]^D, whose bounds are those of the encoding. Evaluations count alike: a call of
 the cost function is one, also in the first population.
 
-mealpy asks for NumPy 1.26 or older, so no installation of this package brings it. It works with newer ones,
-and its rows are there where `pip install --no-deps mealpy` was called.
+mealpy asks for NumPy 1.26 or older, so no extra of this package can bring it. It works with newer ones. `make
+install` installs it without what it asks for, and its rows are there where it is installed.
 """
 
 from collections.abc import Callable, Mapping
@@ -115,7 +115,8 @@ def _mealpy(swarm: str) -> Callable[[Counted, int], None]:
         from mealpy.swarm_based.PSO import OriginalPSO
 
         make = {"PSO": OriginalPSO, "L-SHADE": L_SHADE}[swarm]
-        # L-SHADE shrinks until the last of these iterations; the library ends a run between two of them.
+        # L-SHADE shrinks until the last of these iterations. With the first population they are more
+        # evaluations than were asked for; those that are too many do not count.
         iterations = max(1, cost.left // make().pop_size)
         bounds = FloatVar(lb=[0.0] * cost.dimension, ub=[1.0] * cost.dimension)
         flight = {"obj_func": cost, "bounds": bounds, "minmax": "min", "log_to": None}
