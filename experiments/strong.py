@@ -56,8 +56,15 @@ def write(config: StrongConfig) -> list[Path]:
 
 
 def _write_on_bbob(config: StrongConfig) -> list[Path]:
-    chosen, folder = _chosen(config, entrants_on_bbob()), config.output / "runs"
-    table = on_bbob({d: measure_all(chosen, config.runs, folder, bbob(d)) for d in (*COMPARED, *OTHERS)})
+    folder = config.output / "runs"
+    measured = {
+        d: measure_all(_chosen(config, entrants_on_bbob(d)), config.runs, folder, bbob(d))
+        for d in (*COMPARED, *OTHERS)
+    }
+    table = on_bbob(measured)
+    write_record(
+        record_of("strong-on-bbob", commits_in(folder.glob("*.json")), digests_of_strong()), config.output
+    )
     table.write(config.output)
     return [config.output / f"{table.name}.md"]
 

@@ -1,11 +1,13 @@
 """The controllers whose gaps stand in the tables of this study."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.controllers import packaged_seeds
+from experiments.studies.strong.grounds import COMPARED
 from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.controllers.controller import Controller
@@ -14,6 +16,7 @@ from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
 CONSTANTS = (10, 20, 40, 80, 160)
+RULES = ("ipop", "bipop", "psa")  # begin with the default size in ten dimensions
 # Recipes of the policies, and how the tables call them.
 RECIPES = {
     "cma-search": "learned, evolution",
@@ -60,7 +63,7 @@ def entrants() -> list[Entrant]:
     wide = SizeLimits(2, 2000)
     return [
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
-        *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop", "psa")),
+        *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in RULES),
         *(
             Entrant(
                 f"CMA-ES, {label}", CMA_ES, (f"open-loop:{name}",), LIMITS, ITERATIONS["cma-search-longer"]
@@ -86,18 +89,30 @@ def entrants() -> list[Entrant]:
     ]
 
 
-def entrants_on_bbob() -> list[Entrant]:
-    """Return the rows of CMA-ES, and its policies blinded. Sizes of L-SHADE here are for ten dimensions."""
-    found = [one for one in entrants() if one.optimizer == CMA_ES]
-    blinded = [
-        one._replace(
-            name=f"{one.name}, blinded",
-            controllers=tuple(name.replace("learned:", f"{BLINDED}:") for name in one.controllers),
-        )
-        for one in found
-        if one.limits is None
-    ]
-    return [*found, *blinded]
+def entrants_on_bbob(dimension: int) -> list[Entrant]:
+    """Return the rows of CMA-ES in a dimension; rules begin with its default size.
+
+    Sizes of L-SHADE here are for ten dimensions. Blinded policies run in the compared dimensions only.
+    """
+    size = default_size(dimension)
+    rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
+    for one in entrants():
+        (first, *_) = one.controllers
+        if one.optimizer == CMA_ES:
+            rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
+    if dimension in COMPARED:
+        rows += [_blinded(one) for one in rows if one.limits is None]
+    return rows
+
+
+def default_size(dimension: int) -> int:
+    """Return CMA-ES's default population size (Hansen's tutorial, 2016)."""
+    return 4 + int(3 * math.log(dimension))
+
+
+def _blinded(policies: Entrant) -> Entrant:
+    controllers = tuple(name.replace("learned:", f"{BLINDED}:") for name in policies.controllers)
+    return policies._replace(name=f"{policies.name}, blinded", controllers=controllers)
 
 
 def controller_of(entrant: Entrant, name: str) -> Controller:

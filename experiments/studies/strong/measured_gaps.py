@@ -1,9 +1,9 @@
 """Gaps of this study's rows on test functions, in files that a later call goes on from."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,9 @@ class Measured(NamedTuple):
 
     final: Floats
     anytime: Floats
+
+
+Arrays = TypeVar("Arrays", bound=NamedTuple)  # a named tuple of arrays
 
 
 def measure(entrant: Entrant, num_runs: int, folder: Path, ground: Ground = METABOX) -> Measured:
@@ -70,21 +73,39 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path,
     }
     if ground.name:
         asked |= {"scenarios": [*ground.scenarios], "evaluations": ground.evaluations}
-    parts = (ground.name, entrant.optimizer, controller)
-    name = "".join(letter if letter.isalnum() else "-" for letter in "-".join(filter(None, parts)))
-    file = folder / f"{name}-{num_runs}.json"
+    name = file_name(ground.name, entrant.optimizer, controller, str(num_runs))
+    row = entrant._replace(iterations=iterations)
+
+    def run() -> Measured:
+        found = [_run(row, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios]
+        return Measured(*(np.stack(part) for part in zip(*found, strict=True)))
+
+    return kept(folder / name, asked, Measured, run)
+
+
+def file_name(*parts: str) -> str:
+    """Return the name of a file of what these words name; empty ones are left out."""
+    return "".join(letter if letter.isalnum() else "-" for letter in "-".join(filter(None, parts))) + ".json"
+
+
+def kept(file: Path, asked: Mapping[str, object], kind: type[Arrays], run: Callable[[], Arrays]) -> Arrays:
+    """Return arrays from a file if it was made for the same; else make and write them.
+
+    Args:
+        file: the file.
+        asked: settings that decide the arrays, of types that JSON has.
+        kind: named tuple of arrays.
+        run: function that makes them.
+    """
     if file.is_file():
         stored = json.loads(file.read_text(encoding="utf-8"))
         if stored["asked"] == asked:
-            return Measured(np.array(stored["final"]), np.array(stored["anytime"]))
-    row = entrant._replace(iterations=iterations)
-    found = [_run(row, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios]
-    measured = Measured(*(np.stack(part) for part in zip(*found, strict=True)))
-    lists = {name: part.tolist() for name, part in measured._asdict().items()}
-    content = {"asked": asked, "scenarios": ground.scenarios, **lists, "provenance": provenance()}
-    folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(file, json.dumps(content) + "\n")
-    return measured
+            return kind._make(np.array(stored[name]) for name in kind._fields)
+    arrays = run()
+    lists = {name: part.tolist() for name, part in arrays._asdict().items()}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(file, json.dumps({"asked": asked, **lists, "provenance": provenance()}) + "\n")
+    return arrays
 
 
 def _run(

@@ -40,8 +40,7 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
             "anytime, minus the tuned constant": _difference(anytime, name, CONSTANT),
         }
         for dimension in OTHERS:
-            gaps = _logarithms([measured[dimension][name].final])
-            row[f"at the end, {dimension} dimensions"] = number(gaps.mean(), ".2f")
+            row[f"at the end, {dimension} dimensions"] = _in_dimension(measured[dimension].get(name))
         rows.append(row)
     runs = next(iter(measured[COMPARED[0]].values())).final.shape[2]
     dimensions = f"{', '.join(map(str, COMPARED[:-1]))} and {COMPARED[-1]} dimensions"
@@ -53,6 +52,10 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
         "instances and runs; functions are given]; last in other dimensions. Lower is closer"
     )
     return Table.of("on-bbob", caption, rows)
+
+
+def _in_dimension(row: Measured | None) -> Entry:
+    return MISSING if row is None else number(_logarithms([row.final]).mean(), ".2f")
 
 
 def _logarithms(gaps: list[Floats]) -> Floats:

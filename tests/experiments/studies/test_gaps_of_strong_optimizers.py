@@ -66,9 +66,13 @@ def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
 
 
 def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimension(tmp_path, monkeypatch):
-    names = [one.name for one in entrants_on_bbob()]
-    assert "CMA-ES, learned, evolution, blinded" in names
-    assert not any("L-SHADE" in name for name in names)
+    rows = {one.name: one.controllers for one in entrants_on_bbob(20)}
+    assert "CMA-ES, learned, evolution, blinded" in rows
+    assert not any("L-SHADE" in name for name in rows)
+    assert not any("blinded" in one.name for one in entrants_on_bbob(40))
+    # The default size is 4 + 3 log(dimension), rounded down, and restarts begin with it.
+    assert rows["CMA-ES, default lambda"] == ("fixed:12",)
+    assert rows["CMA-ES, BIPOP"] == ("bipop:start=12",)
     asked = []
 
     def run(controller, scenario, seeds, optimizer, **options):
@@ -90,10 +94,11 @@ def test_differences_on_bbob_are_to_blind_rivals_over_three_dimensions():
         gaps = np.full((1, 48, 4), 10.0**-dimension)
         constant = Measured(10.0 * gaps, np.log10(gaps) + 2.0)
         learned = Measured(np.tile(gaps, (2, 1, 1)), np.tile(np.log10(gaps), (2, 1, 1)))
-        return {CONSTANT: constant, SCHEDULE: constant, "CMA-ES, learned, PPO": learned}
+        rows = {CONSTANT: constant, SCHEDULE: constant, "CMA-ES, learned, PPO": learned}
+        return rows | ({"blinded": learned} if dimension in (5, 10, 20) else {})
 
     table = on_bbob({dimension: rows(dimension) for dimension in (3, 5, 10, 20, 40)})
-    constant, _, learned = table.rows
+    constant, _, learned, blinded = table.rows
     assert str(constant[2]) == "–"
     # Gaps below 1e-8 count as equal: of 1e-10 and 1e-9, and of 1e-20 and 1e-19.
     assert learned[1].numbers["value"] == pytest.approx(-(5 + 8 + 8) / 3)
@@ -101,6 +106,7 @@ def test_differences_on_bbob_are_to_blind_rivals_over_three_dimensions():
     assert learned[3].numbers["value"] == pytest.approx(-1 / 3)
     assert learned[5].numbers["value"] == pytest.approx(-2.0)
     assert [cell.numbers["value"] for cell in learned[6:]] == [-3.0, -8.0]
+    assert [str(cell) for cell in blinded[6:]] == ["–", "–"]  # it has no runs there
 
 
 def test_the_short_table_counts_functions_and_means():
