@@ -1,18 +1,21 @@
 """Compare CMA-ES and L-SHADE with the published table of MetaBox-v2: `python -m experiments.strong`.
 
 The rows are constants, rules and trained policies. Their runs are kept in a folder, and a later call goes on
-from there. With --bbob, rows of CMA-ES run on the functions of BBOB in several dimensions instead.
+from there. With --table bbob, rows of CMA-ES run on the functions of BBOB in several dimensions instead. With
+--table pycma, CMA-ES runs next to its author's library.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import tyro
 
-from experiments.documents.digests import digests_of_strong
+from experiments.documents.digests import digests_of_results, digests_of_strong
 from experiments.documents.records import commits_in, record_of, write_record
-from experiments.studies.strong.entrants import Entrant, entrants, entrants_on_bbob
+from experiments.studies.strong.beside_pycma import beside_pycma, run_both
+from experiments.studies.strong.entrants import CMA_ES, Entrant, entrants, entrants_on_bbob
 from experiments.studies.strong.grounds import COMPARED, OTHERS, bbob
 from experiments.studies.strong.measured_gaps import measure_all
 from experiments.studies.strong.on_bbob import on_bbob
@@ -20,6 +23,8 @@ from experiments.studies.strong.published import RUNS
 from experiments.studies.strong.tables_of_gaps import tables
 from swarm_gym.checks import require_integer
 from swarm_gym.command import command
+
+BESIDE_PYCMA = 10  # dimension of the functions
 
 
 @dataclass(frozen=True)
@@ -32,8 +37,9 @@ class StrongConfig:
     """Number of runs of each training seed on each function; the published table has 51."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. BIPOP 'lambda 40'; by default all rows."""
-    bbob: bool = False
-    """Run the rows of CMA-ES on the 24 functions of BBOB in 3, 5, 10, 20 and 40 dimensions."""
+    table: Literal["metabox", "bbob", "pycma"] = "metabox"
+    """Table to make: all rows on MetaBox's functions; rows of CMA-ES on the 24 functions of BBOB in 3, 5, 10,
+    20 and 40 dimensions; or BIPOP next to pycma's in 10 dimensions."""
 
 
 def write(config: StrongConfig) -> list[Path]:
@@ -44,8 +50,10 @@ def write(config: StrongConfig) -> list[Path]:
         ValueError: if no row has such a name.
     """
     require_integer("runs", config.runs, 2)
-    if config.bbob:
+    if config.table == "bbob":
         return _write_on_bbob(config)
+    if config.table == "pycma":
+        return _write_beside_pycma(config)
     chosen = _chosen(config, entrants())
     made = tables(measure_all(chosen, config.runs, config.output / "runs"))
     commits = commits_in((config.output / "runs").glob("*.json"))
@@ -66,6 +74,17 @@ def _write_on_bbob(config: StrongConfig) -> list[Path]:
         record_of("strong-on-bbob", commits_in(folder.glob("*.json")), digests_of_strong()), config.output
     )
     table.write(config.output)
+    return [config.output / f"{table.name}.md"]
+
+
+def _write_beside_pycma(config: StrongConfig) -> list[Path]:
+    folder, ground = config.output / "runs", bbob(BESIDE_PYCMA)
+    table = beside_pycma(
+        run_both(ground, BESIDE_PYCMA, config.runs, folder), BESIDE_PYCMA, ground.evaluations
+    )
+    table.write(config.output)
+    record = record_of("beside-pycma", commits_in(folder.glob("*.json")), digests_of_results([CMA_ES]))
+    write_record(record, config.output)
     return [config.output / f"{table.name}.md"]
 
 

@@ -92,7 +92,8 @@ def entrants() -> list[Entrant]:
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. Blinded policies run in the compared dimensions only.
+    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have blinded policies. Other
+    dimensions have the default size, the tuned rivals and the policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
@@ -100,9 +101,10 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
         (first, *_) = one.controllers
         if one.optimizer == CMA_ES:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
+    policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        rows += [_blinded(one) for one in rows if one.limits is None]
-    return rows
+        return rows + [_blinded(one) for one in policies]
+    return [one for one in rows if one.controllers[0].startswith("open-loop") or one in (rows[0], *policies)]
 
 
 def default_size(dimension: int) -> int:
