@@ -43,7 +43,7 @@ class Both(NamedTuple):
         ours: (runs,) gaps of the optimizer here.
         theirs: (runs,) gaps of pycma.
         our_speed: evaluations in a second of processor time, the cost function included, (1,).
-        their_speed: the same of pycma, without the time of the cost function.
+        their_speed: evaluations of pycma in a second of its processor time, without the cost function, (1,).
     """
 
     ours: Floats
