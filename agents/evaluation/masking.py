@@ -6,7 +6,8 @@ other controllers may be a better course of decisions.
 """
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +37,21 @@ class Masked(Wrapper):
 
     Args:
         controller: controller to mask; a copy of it decides, since it may have a memory.
-        courses: (T, k) mean observations by iteration; later iterations use the last row.
+        courses: (T, k) mean observations by iteration, or a function that returns them at the first decision;
+            later iterations use the last row.
         columns: columns of the observation that are replaced.
     """
 
-    def __init__(self, controller: Controller, courses: Floats, columns: Sequence[int]):
+    def __init__(
+        self, controller: Controller, courses: Floats | Callable[[], Floats], columns: Sequence[int]
+    ):
         super().__init__(copy.deepcopy(controller))
-        self._courses = courses
+        self._given = courses
         self._columns = list(columns)
+
+    @cached_property
+    def _courses(self) -> Floats:
+        return self._given() if callable(self._given) else self._given
 
     def identity(self) -> object:
         """Return the identity of the controller, and which inputs are masked.
@@ -96,7 +104,8 @@ def _features(controller: Controller) -> list[str]:
 def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
     """Return a learned policy, blinded by its mean courses over all scenarios that it was trained on.
 
-    The episodes of the courses have seeds that neither trainings nor tests have.
+    The episodes of the courses have seeds that neither trainings nor tests have. They run before the first
+    decision, so that whoever only asks for the identity does not wait for them.
 
     Args:
         policy: name or path of the policy, as after `learned:`.
@@ -107,15 +116,18 @@ def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
     """
     controller = load_learned(policy, limits)
     training = stored_config(controller.manifest)
-    watched = watch(
-        controller,
-        [],
-        training.scenarios,
-        ANALYSIS[:NUM_EPISODES],
-        controller.observation,
-        training.optimizer,
-        **training.env_options(),
-    )
-    courses = mean_courses(watched.seen, watched.running)
     clocks = clock_columns(controller)
-    return Masked(controller, courses, [k for k in range(courses.shape[1]) if k not in clocks])
+
+    def courses() -> Floats:
+        watched = watch(
+            controller,
+            [],
+            training.scenarios,
+            ANALYSIS[:NUM_EPISODES],
+            controller.observation,
+            training.optimizer,
+            **training.env_options(),
+        )
+        return mean_courses(watched.seen, watched.running)
+
+    return Masked(controller, courses, [k for k in range(len(_features(controller))) if k not in clocks])
