@@ -23,6 +23,7 @@ RECIPES = {
     "cma-search-longer": "learned, evolution, longer",
     "cma-search-ppo": "learned, PPO",
 }
+LONGEST = "cma-search-longer"
 # Iterations of the episodes of each recipe: the budget at its smallest size.
 ITERATIONS = {
     "cma-search": EVALUATIONS // 16,
@@ -92,8 +93,8 @@ def entrants() -> list[Entrant]:
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have blinded policies. Other
-    dimensions have the default size, the tuned rivals and the policies alone.
+    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have the longest trainings
+    blinded. Other dimensions have the default size, the tuned rivals and the policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
@@ -103,7 +104,7 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
     policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        return rows + [_blinded(one) for one in policies]
+        return rows + [_blinded(one) for one in policies if one.name == f"CMA-ES, {RECIPES[LONGEST]}"]
     return [one for one in rows if one.controllers[0].startswith("open-loop") or one in (rows[0], *policies)]
 
 

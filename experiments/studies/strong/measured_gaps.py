@@ -1,5 +1,6 @@
 """Gaps of this study's rows on test functions, in files that a later call goes on from."""
 
+import copy
 import json
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -62,7 +63,7 @@ def measure_all(
 
 def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path, ground: Ground) -> Measured:
     """Return the gaps of one controller, arrays (functions, runs)."""
-    made = controller_of(entrant, controller)
+    made = _with_budget(controller_of(entrant, controller), ground.evaluations)
     iterations = entrant.iterations * ground.evaluations // EVALUATIONS
     asked: dict[str, object] = {
         "optimizer": entrant.optimizer,
@@ -81,6 +82,15 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path,
         return Measured(*(np.stack(part) for part in zip(*found, strict=True)))
 
     return kept(folder / name, asked, Measured, run)
+
+
+def _with_budget(controller: Controller, evaluations: int) -> Controller:
+    """Return a controller for this budget; a policy would keep the one of its training."""
+    if controller.max_evaluations is None:
+        return controller
+    other = copy.copy(controller)
+    other.max_evaluations = evaluations
+    return other
 
 
 def file_name(*parts: str) -> str:

@@ -49,7 +49,8 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
         f"trained on, {runs} runs on each, {EVALUATIONS_PER_DIMENSION:,} evaluations for each dimension. "
         "Mean log10 of the gap, at least 1e-8, at the end and over all evaluations (anytime), over "
         f"{dimensions}, and its differences to rivals that see nothing [95 % interval over training seeds, "
-        "instances and runs; functions are given]; last in other dimensions, of some rows. Lower is closer"
+        "instances and runs; functions are given]; last in other dimensions, for some rows and fewer runs. "
+        "Lower is closer"
     )
     return Table.of("on-bbob", caption, rows)
 

@@ -67,7 +67,7 @@ def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
 
 def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimension(tmp_path, monkeypatch):
     rows = {one.name: one.controllers for one in entrants_on_bbob(20)}
-    assert "CMA-ES, learned, evolution, blinded" in rows
+    assert [name for name in rows if "blinded" in name] == ["CMA-ES, learned, evolution, longer, blinded"]
     assert not any("L-SHADE" in name for name in rows)
     others = {one.name for one in entrants_on_bbob(40)}
     assert {"CMA-ES, default lambda", CONSTANT, SCHEDULE, "CMA-ES, learned, PPO"} <= others
@@ -89,6 +89,27 @@ def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimensi
     measure(entrant, 3, tmp_path, bbob(20))
     measure(entrant, 3, tmp_path, bbob(5))
     assert len(asked) == 2 * 48  # the last ones were kept
+
+
+def test_policies_have_the_budget_of_the_dimension_and_not_of_their_training(tmp_path, monkeypatch):
+    budgets = set()
+
+    def run(controller, scenario, seeds, optimizer, **options):
+        budgets.add((controller.env_options()["max_evaluations"], options["max_evaluations"]))
+        gap = np.ones(len(seeds))
+        return Episodes(gap, gap, gap, gap[:, None], gap[:, None])
+
+    monkeypatch.setattr(measured_gaps, "run_episodes", run)
+    policies, blinded = (
+        one._replace(controllers=one.controllers[:1])
+        for one in entrants_on_bbob(20)
+        if one.name.startswith("CMA-ES, learned, evolution, longer")
+    )
+    for one in (policies, blinded):
+        measure(one, 3, tmp_path, bbob(20))
+    assert budgets == {(40_000, 40_000)}
+    measure(policies, 3, tmp_path)
+    assert budgets == {(40_000, 40_000), (EVALUATIONS, EVALUATIONS)}
 
 
 def test_differences_on_bbob_are_to_blind_rivals_over_three_dimensions():
