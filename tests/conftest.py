@@ -9,8 +9,10 @@ from hypothesis import settings
 
 pytest_plugins = ["helpers.skips", "pytester"]
 
-# `make test-slow` asks for it; the usual run has the default number of examples, 100.
+# `make test-slow` asks for the thorough profile, which replaces the usual one.
+settings.register_profile("usual", max_examples=40)
 settings.register_profile("thorough", max_examples=10_000)
+settings.load_profile("usual")
 
 
 @pytest.hookimpl(optionalhook=True)
