@@ -1,5 +1,6 @@
 """Shared fixtures."""
 
+import gc
 import signal
 
 import numba
@@ -21,6 +22,15 @@ def pytest_xdist_auto_num_workers(config):
     from xdist.plugin import pytest_xdist_auto_num_workers as usual
 
     return 1 + usual(config)
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_collection():
+    """Modules and tests live to the end: the garbage collector does not look at them again and again."""
+    gc.disable()
+    yield
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)
