@@ -1,5 +1,6 @@
 """Shared fixtures."""
 
+import gc
 import signal
 
 import numba
@@ -9,8 +10,10 @@ from hypothesis import settings
 
 pytest_plugins = ["helpers.skips", "pytester"]
 
-# `make test-slow` asks for it; the usual run has the default number of examples, 100.
+# `make test-slow` asks for the thorough profile, which replaces the usual one.
+settings.register_profile("usual", max_examples=40)
 settings.register_profile("thorough", max_examples=10_000)
+settings.load_profile("usual")
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -19,6 +22,15 @@ def pytest_xdist_auto_num_workers(config):
     from xdist.plugin import pytest_xdist_auto_num_workers as usual
 
     return 1 + usual(config)
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_collection():
+    """Modules and tests live to the end: the garbage collector does not look at them again and again."""
+    gc.disable()
+    yield
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)

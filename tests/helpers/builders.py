@@ -309,7 +309,10 @@ def make_problem(case, num_waypoints=31, length_weight=0.3):
 
 # What they remember is evaluated anew as that of fireflies is. They are compiled for it, which takes longer
 # than their tests.
-ALIKE = ("generational-firefly", "elite-genetic", "improved-fish-swarm", "hybrid-fish-swarm")
+ALIKE = (
+    "generational-firefly", "elite-genetic", "fish-swarm", "improved-fish-swarm", "hybrid-fish-swarm",
+    "differential-evolution",
+)  # fmt: skip
 
 
 def slow_if_alike(optimizer, *more):

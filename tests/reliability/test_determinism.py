@@ -87,16 +87,28 @@ def test_members_from_every_source_are_the_same_in_a_vector_as_alone(optimizer):
     assert_same_in_a_vector(lambda seed: alone(seed, optimizer, **options), 5, optimizer=optimizer, **options)
 
 
-duplications = pytest.mark.parametrize(
-    "duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"]
-)
+DUPLICATIONS = copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))
+ON_CELLS = {"scenario": ["rooms:0-1"], "encoding": "bezier"}
+duplications = pytest.mark.parametrize("duplicate", DUPLICATIONS, ids=["deep", "pickle"])
 
 
 @pytest.mark.parametrize(
-    "maps", [{}, {"scenario": ["rooms:0-1"], "encoding": "bezier"}], ids=["analytic", "grid"]
+    ("duplicate", "optimizer", "maps"),
+    # Each optimizer on a map of its own kind, and one on maps of cells; both ways to copy.
+    slow_but(
+        [
+            *((DUPLICATIONS[0], name, {}) for name in OPTIMIZERS),
+            (DUPLICATIONS[1], "firefly", {}),
+            (DUPLICATIONS[1], "particle-swarm", ON_CELLS),
+        ],
+        [
+            (duplicate, name, maps)
+            for duplicate in DUPLICATIONS
+            for name in OPTIMIZERS
+            for maps in ({}, ON_CELLS)
+        ],
+    ),
 )
-@pytest.mark.parametrize("optimizer", OPTIMIZERS)
-@duplications
 def test_a_copy_made_in_mid_episode_goes_on_alike(duplicate, optimizer, maps):
     env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
     decisions = actions(SEED, optimizer)

@@ -8,6 +8,7 @@ import os
 import platform
 import signal
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -81,13 +82,18 @@ def text_without_encoding(tree):
             yield node.lineno
 
 
+@cache
+def parsed(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def test_only_places_with_a_branch_use_what_other_systems_lack():
-    found = {path: set(assumptions(ast.parse(path.read_text(encoding="utf-8")))) for path in SOURCES}
+    found = {path: set(assumptions(parsed(path))) for path in SOURCES}
     assert {path.relative_to(ROOT).as_posix(): used for path, used in found.items() if used} == BRANCHES
 
 
 def test_texts_have_an_encoding_that_does_not_depend_on_the_system():
-    found = {path: [*text_without_encoding(ast.parse(path.read_text(encoding="utf-8")))] for path in SOURCES}
+    found = {path: [*text_without_encoding(parsed(path))] for path in SOURCES}
     assert {str(path): lines for path, lines in found.items() if lines} == {}
 
 

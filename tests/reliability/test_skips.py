@@ -3,6 +3,7 @@
 import pytest
 
 from helpers.skips import ALLOWED, REQUIRE_ALL, is_allowed
+from helpers.slow import slow_but
 
 MAP = "needs den400d.map in the folder that SWARM_GYM_DATA names"
 GPU = "there is no GPU; make test-slow runs it in the simulator, with NUMBA_ENABLE_CUDASIM=1"
@@ -55,7 +56,7 @@ def test_without_the_variable_skips_stay_skips(run, required):
     assert found.ret == pytest.ExitCode.OK
 
 
-@pytest.mark.parametrize("workers", ["0", "2"])
+@pytest.mark.parametrize("workers", slow_but(["0"], ["0", "2"]))
 def test_with_the_variable_what_is_missing_is_a_failure_that_names_it(run, workers):
     found = run("1", "-n", workers, test_these=TESTS)
     found.assert_outcomes(passed=1, failed=2, skipped=1, xfailed=1)

@@ -70,7 +70,7 @@ def test_the_final_gap_counts_once_more_at_the_end(budget, iterations):
 
 def test_swarms_of_a_vector_are_paid_for_their_own_iterations():
     swarms = SwarmVectorEnv(
-        3, "differential-evolution", scenario="metabox-bbob:3-10", iterations=30, reward="anytime",
+        3, "particle-swarm", scenario="metabox-bbob:3-10", iterations=30, reward="anytime",
         max_evaluations=600, initial_population_size=20, autoreset_mode="Disabled",
     )  # fmt: skip
     swarms.reset(seed=2)

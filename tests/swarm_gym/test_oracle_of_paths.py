@@ -157,7 +157,8 @@ def test_lengths_are_those_of_a_fine_lattice_or_less():
     assert compared > 15
 
 
-@pytest.mark.parametrize("number", [1, pytest.param(10, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [1, 10])
 def test_grown_lengths_lie_between_those_of_polygons_inside_and_outside(number):
     compared, wider = 0, 1.0 / math.cos(math.pi / (4 * CORNERS))
     for seed in range(400):

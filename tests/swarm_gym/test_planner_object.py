@@ -10,6 +10,7 @@ from numba.core import event
 
 from helpers.plans import assert_free
 from helpers.public_maps import needed
+from helpers.slow import slow_but
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.planning import GradedMap, Planner, plan
 from swarm_gym.planning.planning_run import PlanningRun
@@ -25,7 +26,7 @@ def blocks(seed=0):
     return GridMap("blocks", blocked)
 
 
-@pytest.mark.parametrize("where", ["rooms:0", "case2"])
+@pytest.mark.parametrize("where", slow_but(["case2"], ["rooms:0", "case2"]))
 def test_plans_are_those_of_the_function(where):
     planner = Planner(where, robot_radius=0.3, clearance=0.1)
     for options in ({}, {"alternatives": 3}):

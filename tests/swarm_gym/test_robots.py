@@ -413,7 +413,7 @@ def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
     assert len(env.simulation.problem_of(0).scenario.obstacles) == 3
 
 
-@pytest.mark.parametrize("optimizer", slow_but(("firefly", "cma-es"), DRIVING))
+@pytest.mark.parametrize("optimizer", slow_but(["firefly"], DRIVING))
 def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
     (options, *_) = on_maps(optimizer)
     driving = DynamicScenario("driving", options["scenario"].base, (), Drive(1, 5, 1.0))

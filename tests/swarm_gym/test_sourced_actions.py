@@ -123,7 +123,9 @@ def test_same_seed_same_bits_in_any_vector_width_with_any_number_of_threads(
 @pytest.mark.parametrize(
     "scenario", [{}, {"scenario": "rooms:0", "encoding": "bezier", "num_waypoints": None}]
 )
-@pytest.mark.parametrize("optimizer", ["firefly", "multivariate", "improved-fish-swarm"])
+@pytest.mark.parametrize(
+    "optimizer", slow_but(["firefly"], ["firefly", "multivariate", "improved-fish-swarm"])
+)
 def test_copies_in_mid_episode_go_on_as_the_original(duplicate, scenario, optimizer):
     options = {name: value for name, value in {**SMALL, **scenario}.items() if value is not None}
     env = SwarmEnv(optimizer, **options, action="sourced-normalised", source="smooth")

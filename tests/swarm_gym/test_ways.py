@@ -9,6 +9,7 @@ import shapely
 
 from helpers.builders import make_problem, small_grid_problem
 from helpers.plans import obstacles_of
+from helpers.slow import slow_but
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.problem.geometry.curves import nearest_curves
@@ -28,7 +29,7 @@ def winding(loop, point):
     return round(math.fsum(turns) / math.tau)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", slow_but(NAMES[::2], NAMES))
 def test_ways_are_free_and_pass_obstacles_on_different_sides(name):
     scenario = make_scenario(name)
     # Ways touch obstacles, so these are a little smaller.

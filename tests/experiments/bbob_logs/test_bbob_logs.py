@@ -17,7 +17,8 @@ from swarm_gym.worlds import make_problem
 
 SMALL = {
     "functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60,
-    "optimizer": "cma-es",  # other tests run it on these functions, too, so that it is compiled
+    # Other tests run it and particle swarms on these functions, too, so that both are compiled.
+    "optimizer": "cma-es",
 }  # fmt: skip
 
 
@@ -33,7 +34,7 @@ GROUPS = [LoggedGroup(8, 2, (made_up(1, 3.0, 3.0, 2e-9, 2e-9), made_up(7, 0.5, 0
 def logs(tmp_path_factory):
     """The folder of logs of two entrants."""
     output = tmp_path_factory.mktemp("bbob")
-    controllers = ("fixed:10", "differential-evolution+fixed:12")
+    controllers = ("fixed:10", "particle-swarm+fixed:12")
     list(run(BbobConfig(controllers=controllers, output=output, seed=3, **SMALL)))
     return output
 
@@ -123,12 +124,10 @@ def test_logs_say_what_the_runs_found(logs):
 
 def test_the_first_row_is_the_first_member_of_the_first_population(logs):
     for k, instance in enumerate(SMALL["instances"]):
-        env = SwarmEnv(
-            "differential-evolution", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12
-        )
+        env = SwarmEnv("particle-swarm", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12)
         env.reset(seed=3 + k)
         first = env.simulation.swarms.fitness[0, 0]
-        rows = rows_of(logs / "coco/differential-evolution_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
+        rows = rows_of(logs / "coco/particle-swarm_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
         assert rows[0, [0, 2]].tolist() == pytest.approx([1.0, first], rel=1e-9)
         assert rows[1, [0, 2]].tolist() == pytest.approx(
             [12.0, env.simulation.swarms.best_fitness[0]], rel=1e-9
@@ -138,7 +137,7 @@ def test_the_first_row_is_the_first_member_of_the_first_population(logs):
 def test_every_entrant_has_a_folder_in_both_forms(logs):
     for form in ("coco", "iohprofiler"):
         assert {place.name for place in (logs / form).iterdir()} == {
-            "cma-es_fixed_10", "differential-evolution_fixed_12",
+            "cma-es_fixed_10", "particle-swarm_fixed_12",
         }  # fmt: skip
     assert len(list(logs.glob("coco/*/bbobexp_f*.info"))) == 4
 
@@ -151,15 +150,15 @@ def test_same_seed_same_logs(logs, tmp_path):
 
 def test_iterations_and_parameters_are_those_asked_for(tmp_path):
     config = BbobConfig(
-        controllers=("differential-evolution+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
-        dimensions=(2,), instances=(1,), parameters={"archive_rate": 0.25},
+        controllers=("particle-swarm+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
+        dimensions=(2,), instances=(1,), parameters={"cognitive": 0.25},
     )  # fmt: skip
     list(run(config))
     (path,) = tmp_path.glob("coco/*/data_f1/*.tdat")
     (rows,) = rows_of(path)
     assert rows[:2, 0].tolist() == [1, 5]
     assert len(rows) == 5  # the first evaluation, the first population, and three iterations
-    assert "archive_rate 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
+    assert "cognitive 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
 
 
 def test_logs_of_another_run_are_not_touched(logs):

@@ -1,11 +1,10 @@
 """The values that the playground is made of, and the requests that it refuses."""
 
 import re
-import subprocess
-import sys
 
 import pytest
 
+from experiments.playground.__main__ import main
 from experiments.playground.exported import POLICY, PORTED_OPTIONS, export, is_ported
 from experiments.playground.playground_page import ASSETS, SCRIPTS, playground_for, playground_page
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -75,18 +74,19 @@ def test_options_that_are_ported_reach_the_page():
     assert (len(case["line"]), case["lengthWeight"]) == (14, 0.5)
 
 
-def test_the_command_writes_one_small_file(tmp_path):
+def test_the_command_writes_one_small_file(tmp_path, capsys, monkeypatch):
     file = tmp_path / "folder" / "play.html"
-    command = [sys.executable, "-m", "experiments.playground", str(file)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    monkeypatch.setattr("sys.argv", ["playground", str(file)])
+    main()
     text = file.read_text(encoding="utf-8")
-    assert done.stdout == f"playground: {file} ({len(text.encode()) / 1e3:.0f} kB)\n"
+    assert capsys.readouterr().out == f"playground: {file} ({len(text.encode()) / 1e3:.0f} kB)\n"
     assert text == playground_page()
     assert len(text.encode()) < 120_000
     assert not re.search(r"https?://(?!www\.w3\.org)|url\(|@import|<link(?! rel=\"icon\")", text)
-    failed = subprocess.run([*command, "--scenarios", "rooms:0"], capture_output=True, text=True, check=False)
-    assert (failed.returncode, failed.stdout) == (1, "")
-    assert failed.stderr.startswith("error: playground: expected fixed maps")
+    monkeypatch.setattr("sys.argv", ["playground", str(file), "--scenarios", "rooms:0"])
+    with pytest.raises(SystemExit, match=r"^error: playground: expected fixed maps"):
+        main()
+    assert capsys.readouterr().out == ""
     assert file.read_text(encoding="utf-8") == text
 
 

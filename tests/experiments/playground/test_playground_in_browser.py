@@ -170,7 +170,7 @@ def test_reset_and_another_map_or_seed_begin_anew(page):
     assert page.locator(".swarm .obstacle").count() == 3 * 15
 
 
-@pytest.mark.parametrize("text", slow_but(["", str(2**53)], ["", "-1", "1.5", "seven", str(2**53)]))
+@pytest.mark.parametrize("text", slow_but([""], ["", "-1", "1.5", "seven", str(2**53)]))
 def test_a_faulty_seed_is_named_and_changes_nothing(page, text):
     step(page)
     before = states(page)
@@ -186,6 +186,7 @@ def test_a_faulty_seed_is_named_and_changes_nothing(page, text):
     wait_for(page, 0)
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_until_it_is_paused(file, open_page):
     page = open_page(file, reduced_motion="no-preference")
     slider(page, "Population size").fill("8")
@@ -202,6 +203,7 @@ def test_a_run_goes_on_until_it_is_paused(file, open_page):
     assert page.complaints == []
 
 
+@pytest.mark.slow
 def test_a_reset_stops_the_iteration_under_way(page):
     slider(page, "Population size").fill("200")
     page.evaluate("""() => {

@@ -137,6 +137,7 @@ def test_vector_files_are_well_formed(written):
         assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
 
 
+@pytest.mark.slow
 def test_pixel_files_have_the_size_of_the_figure(results, written):
     heads = [path.read_bytes()[:24] for path in written[1::2]]
     figures = [draw() for draw in plan(SUITE, results).values()]
@@ -325,6 +326,7 @@ def test_controllers_and_scenarios_without_runs_are_left_out(database):
     assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "learned (tiny)"]
 
 
+@pytest.mark.slow
 def test_other_scenarios_get_figures_without_number_and_without_an_optimum(database, tmp_path, monkeypatch):
     walls = [(650, 50, 950, 80), (650, 320, 950, 350), (650, 70, 680, 330), (920, 70, 950, 330)]
     obstacles = tuple(Polygon.rectangle(*wall) for wall in walls)

@@ -109,6 +109,7 @@ def test_tables_sort_by_numbers_and_by_names_either_way(page):
     assert names == sorted(names, key=str.casefold)
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_sorted_last_either_way(page):
     button = page.locator("table[data-name='optimal-solutions-random-fields:test:0'] thead th").nth(1)
     body = "table[data-name='optimal-solutions-random-fields:test:0'] tbody tr:first-child > :nth-child(2)"
@@ -150,6 +151,7 @@ def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(page):
     assert page.complaints == []
 
 
+@pytest.mark.slow
 def test_the_player_plays_to_the_end_and_pauses(page):
     page.get_by_label("Per second").select_option("30")
     button = page.locator(".player .play")
@@ -166,6 +168,7 @@ def test_the_player_plays_to_the_end_and_pauses(page):
     assert iteration(page) == paused < 12
 
 
+@pytest.mark.slow
 def test_courses_have_a_line_where_the_map_changes(tmp_path, open_page, monkeypatch, page):
     assert page.locator(".courses .event").first.get_attribute("d") == ""
     changing = dataclasses.replace(SUITE, name="changing", scenarios=("dynamic:case1-gate@5",))
@@ -237,6 +240,7 @@ def test_nothing_is_wider_than_the_screen(report, open_page, viewport, color_sch
     assert wider_than(page, viewport["width"]) == []
 
 
+@pytest.mark.slow
 def test_colours_are_the_systems_until_others_are_chosen(report, open_page):
     light, dark = (open_page(report, color_scheme=scheme) for scheme in ("light", "dark"))
     assert lightness(light) > 200
@@ -326,6 +330,7 @@ def test_the_player_looks_as_it_did(report, open_page, name, part, viewport, col
     assert_looks_like(page.locator(part).first.screenshot(), name, tolerance)
 
 
+@pytest.mark.slow
 def test_the_top_of_the_page_looks_as_it_did(page):
     assert_looks_like(page.screenshot(), "top", tolerance=5.0)
 

@@ -1,14 +1,12 @@
 """Results that grow: a controller that has changed is a new entry, and entries can be listed and moved."""
 
-import subprocess
-import sys
 from contextlib import closing
 
 import numpy as np
 import pytest
 
 from agents import make_controller
-from experiments.entries import CarryOver, Drop, List, Merge, Rename, carry_out
+from experiments.entries import CarryOver, Drop, List, Merge, Rename, carry_out, main
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.configuration import identity
 from experiments.runs.database import Results, ResultsError
@@ -118,17 +116,15 @@ def test_databases_are_merged_without_mixing_controllers(tmp_path):
     filled(ours, "first", names=(NAME, "spsfa")).close()  # the identity of what was merged is known
 
 
-def test_the_command_lists_and_refuses(tmp_path):
+def test_the_command_lists_and_refuses(tmp_path, capsys, monkeypatch):
     path = tmp_path / "a.sqlite"
     filled(path, "first").close()
-    command = [sys.executable, "-m", "experiments.entries"]
-    found = subprocess.run([*command, "list", str(path)], capture_output=True, text=True, check=True)
-    assert found.stdout.count("\n") == 3
-    refused = subprocess.run(
-        [*command, "drop", str(path), "nobody"], capture_output=True, text=True, check=False
-    )
-    assert refused.returncode != 0
-    assert refused.stderr.startswith("error: there is no entry 'nobody'")
+    monkeypatch.setattr("sys.argv", ["entries", "list", str(path)])
+    main()
+    assert capsys.readouterr().out.count("\n") == 3
+    monkeypatch.setattr("sys.argv", ["entries", "drop", str(path), "nobody"])
+    with pytest.raises(SystemExit, match="error: there is no entry 'nobody'"):
+        main()
 
 
 def test_a_policy_trained_again_under_its_name_needs_no_other_database(tmp_path, monkeypatch):

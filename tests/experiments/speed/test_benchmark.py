@@ -273,7 +273,7 @@ def counted(group):
     return made + GROUPS[group].summary(made)
 
 
-@pytest.mark.parametrize("with_peers", [False, True])
+@pytest.mark.parametrize("with_peers", slow_but([True], [False, True]))
 def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, with_peers):
     groups = {name: counted(name) for name in GROUPS}
     write_measurements(tmp_path / "benchmark.json", groups)

@@ -33,13 +33,13 @@ def suite():
     return part_of(BBOB, GAPS, SCENARIOS, 2)
 
 
-def sizes_of(controller, optimizer):
+def sizes_of(controller):
     """Return the evaluations and the sizes of a run of one of this project's optimizers."""
     chosen = entrant(name_of("swarm_gym", controller), BBOB.optimizer)
     made = make_controller(chosen.controller)
     options = {**BBOB.options, **chosen.options, **made.env_options()}
     assert chosen.optimizer == OPTIMIZERS["swarm_gym"]
-    env = SwarmEnv(optimizer, scenario="function:bbob-8-5-1", **options)
+    env = SwarmEnv(chosen.optimizer, scenario="function:bbob-8-5-1", **options)
     made.reset(1, 0)
     observation, info = env.reset(seed=0)
     sizes, ended = [int(info["population_size"])], False
@@ -49,13 +49,9 @@ def sizes_of(controller, optimizer):
     return int(info["evaluations"]), sizes
 
 
-# Both evaluate each member once in an iteration. Other tests compile the first one for these functions.
-@pytest.mark.parametrize(
-    "optimizer", ["differential-evolution", pytest.param(OPTIMIZERS["swarm_gym"], marks=pytest.mark.slow)]
-)
 @pytest.mark.parametrize("controller", [name for name in CONTROLLERS if name != "grows on stagnation"])
-def test_entrants_spend_the_budget_in_their_last_iterations(controller, optimizer):
-    spent, sizes = sizes_of(controller, optimizer)
+def test_entrants_spend_the_budget_in_their_last_iterations(controller):
+    spent, sizes = sizes_of(controller)
     assert 0.95 * BUDGET <= spent <= BUDGET
     assert len(sizes) >= CONTROLLERS[controller][0]
 
@@ -71,9 +67,7 @@ def test_every_optimizer_meets_every_controller_on_every_function():
 @pytest.mark.parametrize("rule", ["spsfa", "spsfa-tip"])
 def test_the_schedule_of_the_spsfa_paper_keeps_its_size_on_a_function(rule):
     made = make_controller(rule)
-    env = SwarmEnv(
-        "differential-evolution", scenario="function:bbob-8-5-1", iterations=20, **made.env_options()
-    )
+    env = SwarmEnv("particle-swarm", scenario="function:bbob-8-5-1", iterations=20, **made.env_options())
     made.reset(1, 0)
     observation, info = env.reset(seed=0)
     sizes, ended = [], False

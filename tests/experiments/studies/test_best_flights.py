@@ -39,6 +39,7 @@ def test_every_terrain_for_tests_has_a_flight_with_its_origin():
     assert set(json.loads(FILE.read_text(encoding="utf-8"))) == {"metabox"}
 
 
+@pytest.mark.slow
 def test_a_known_flight_costs_what_is_stored():
     check("terrain:test:0")
 

@@ -148,6 +148,7 @@ def test_outcomes_show_every_run_and_the_papers_ratios_where_it_prints_times(stu
         assert each.get_ydata()[study.values.index(study.printed)] == 1.0
 
 
+@pytest.mark.slow
 def test_figures_are_written_and_the_same_runs_give_the_same_bytes(results, tmp_path):
     some = dataclasses.replace(SUITE, controllers=("spsfa-tip", GROWTH.controller(500.0)))
     first, second = (write_figures(some, results, tmp_path / name) for name in ("a", "b"))

@@ -22,7 +22,7 @@ from swarm_gym.worlds import make_problem
 
 ASKED = Asked("metabox", (100, 200), 3, 3)
 # Other tests fly by this optimizer, too, so that it is compiled.
-ROW = Row("differential-evolution", "waypoints", "guided")
+ROW = Row("firefly", "waypoints", "guided")
 NONE = np.full(2, np.inf)
 
 
@@ -50,7 +50,7 @@ def test_runs_are_kept_and_better_with_more_evaluations(little_terrain, tmp_path
 
 
 def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path):
-    rule = ControlledRow("two", "differential-evolution", "guided", ("fixed:60", "fixed:30"), 50, 200)
+    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 50, 200)
     costs = measure(rule, little_terrain, ASKED, tmp_path)
     assert costs.shape == (2, 6)
     assert np.isnan(costs[0]).all()  # of a budget that it is not for
@@ -190,16 +190,16 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
         terrains=(little_terrain,),
         evaluations=(100,),
         runs=2,
-        rows=("L-SHADE, waypoints", PLANNED),
+        rows=("fireflies, waypoints", PLANNED),
         without=("uniform",),
     )
     files = command.write(config)
     assert [file.name for file in files] == ["metabox-in-short.md", "metabox-by-terrain.md"]
     text = files[0].read_text(encoding="utf-8")
-    assert "L-SHADE, waypoints, guided" in text
-    assert "L-SHADE, waypoints, uniform" not in text
+    assert "fireflies, waypoints, guided" in text
+    assert "fireflies, waypoints, uniform" not in text
     assert PLANNED in text
     assert "little" in files[1].read_text(encoding="utf-8")
     (record,) = records_in(tmp_path)
     assert record.commits
-    assert "L-SHADE, waypoints, guided" in record.digests
+    assert "fireflies, waypoints, guided" in record.digests

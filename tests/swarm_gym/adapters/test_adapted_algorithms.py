@@ -11,6 +11,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from helpers.adapted import ADAPTED, adapted, episode_of, missing
+from helpers.slow import slow_but
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError
@@ -105,7 +106,7 @@ def test_the_repair_degree_frees_members(name):
 
 
 @every_algorithm
-@pytest.mark.parametrize("controller", ["fixed:60", "spsfa-tip"])
+@pytest.mark.parametrize("controller", slow_but(["spsfa-tip"], ["fixed:60", "spsfa-tip"]))
 def test_controllers_of_the_project_drive_it(name, controller):
     made = make_controller(controller)
     env = SwarmEnv(name, scenario="case2", iterations=3, **made.env_options())

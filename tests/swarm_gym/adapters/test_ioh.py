@@ -91,6 +91,7 @@ def test_an_episode_is_that_on_the_compiled_function(budget):
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_newcomers_are_recorded_as_on_the_compiled_function():
     found = []
     for scenario in (NAME, COMPILED):

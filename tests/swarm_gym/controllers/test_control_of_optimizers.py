@@ -30,7 +30,10 @@ both = pytest.mark.parametrize("kind", MAPS)
 with_any_optimizer_on_both = pytest.mark.parametrize(
     ("optimizer", "kind"),
     slow_but(
-        [(name, kind) for name in OPTIMIZERS for kind in MAPS if (name, kind) != ("ant-colony", "analytic")],
+        [
+            *((name, "analytic") for name in OPTIMIZERS if name != "ant-colony"),
+            *((name, "grid") for name in ("firefly", "ant-colony", "multivariate")),
+        ],
         [(name, kind) for name in OPTIMIZERS for kind in MAPS],
     ),
 )

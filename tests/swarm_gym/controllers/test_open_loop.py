@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits
+from helpers.slow import slow_but
 from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import (
     FORMAT,
@@ -209,7 +210,7 @@ def test_sources_that_are_saved_are_read_back(tmp_path):
     assert theirs.env_options() == ours.env_options()
 
 
-@pytest.mark.parametrize("name", OPEN_LOOPS.names())
+@pytest.mark.parametrize("name", slow_but(OPEN_LOOPS.names()[::6], OPEN_LOOPS.names()))
 def test_a_packaged_file_that_is_read_and_saved_again_stays_the_same(tmp_path, name):
     there, again = OPEN_LOOPS.find(name), tmp_path / "again.json"
     content = read_json(there, FORMAT)

@@ -8,7 +8,6 @@ import pytest
 from scipy.stats import ks_2samp
 
 from helpers.builders import advance, begin, function_problem
-from helpers.slow import slow_but
 
 # Numbers of BBOB functions; and whether runs are compared by their evaluations until a gap of 1e-6, or by
 # their gap after a budget, since not all reach the optimum.
@@ -79,17 +78,15 @@ def run_pycma(problem, until_target, seed):
         return their_run(problem, until_target, strategy.ask, strategy.tell)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("library", "function", "dimension"),
-    slow_but(
-        [(run_cmaes, function, 5) for function in ("sphere", "ellipsoid")],
-        [
-            (library, function, dimension)
-            for library in (run_cmaes, run_pycma)
-            for function in (*TO_TARGET, *AT_BUDGET)
-            for dimension in (5, 10)
-        ],
-    ),
+    [
+        (library, function, dimension)
+        for library in (run_cmaes, run_pycma)
+        for function in (*TO_TARGET, *AT_BUDGET)
+        for dimension in (5, 10)
+    ],
 )
 def test_runs_are_distributed_as_those_of_the_library(library, function, dimension):
     until_target = function in TO_TARGET
@@ -102,6 +99,7 @@ def test_runs_are_distributed_as_those_of_the_library(library, function, dimensi
     assert ks_2samp(ours, theirs).pvalue > LEAST_P
 
 
+@pytest.mark.slow
 def test_a_strategy_with_other_rates_is_told_apart():
     """The comparison can fail: members of twice the number take other evaluations."""
     problem, size = function_problem("function:bbob-1-10-1"), 2 * default_size(10)

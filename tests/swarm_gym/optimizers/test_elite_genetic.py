@@ -7,13 +7,14 @@ import pytest
 from test_optimizers import PLAN, problems, run
 
 from helpers.builders import advance, begin, make_problem
+from helpers.slow import slow_but
 from swarm_gym.optimizers.elite_genetic import _spin, _wheel
 
 NAME = "elite-genetic"
 
 
 @pytest.mark.parametrize(("crossover", "mutation"), [(1.0, 0.0), (0.0, 0.5), (0.5, 0.2)])
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
+@pytest.mark.parametrize("kind", slow_but(["one waypoint"], ["analytic", "one waypoint", "polyline"]))
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, crossover, mutation):
     parameters = {"crossover": crossover, "mutation": mutation}
     run(NAME, problems(NAME)[kind], PLAN[:6], parameters, size=7)

@@ -17,6 +17,7 @@ from helpers.builders import (
 )
 from helpers.grids import drawn_problem
 from helpers.loops import looped
+from helpers.slow import slow_but
 from oracles import naive_swarm
 from swarm_gym.action import make_action
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -51,7 +52,7 @@ def way_of(swarms, problem):
     return problem.scenario.map.to_cells(points)
 
 
-@pytest.mark.parametrize("parameters", OPTIONS, ids=str)
+@pytest.mark.parametrize("parameters", slow_but(OPTIONS[::3], OPTIONS), ids=str)
 def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
     """The episodes are long enough for members to meet, and for some robots to arrive."""
     for seed, geometry in enumerate(({}, METRES)):

@@ -5,7 +5,6 @@ import pytest
 from scipy.stats import ks_2samp
 
 from helpers.builders import advance, begin, function_problem
-from helpers.slow import slow_but
 from swarm_gym.optimizers import get_optimizer
 
 pytest.importorskip("niapy")
@@ -64,11 +63,10 @@ def test_defaults_are_those_of_niapy():
     assert tuple(ours) == tuple(theirs[key] for key in keys)
 
 
-@pytest.mark.parametrize("dimension", slow_but([2], BUDGETS))
-@pytest.mark.parametrize(
-    "name",
-    [name if k == 0 else pytest.param(name, marks=pytest.mark.slow) for k, name in enumerate(FUNCTIONS)],
-)
+# It compiles the optimizer for functions; other tests compare it with its oracle step by step, on maps.
+@pytest.mark.slow
+@pytest.mark.parametrize("dimension", BUDGETS)
+@pytest.mark.parametrize("name", FUNCTIONS)
 def test_gaps_at_a_fixed_budget_are_distributed_as_those_of_niapy(name, dimension):
     """The test has something to see: without the reduction, the distributions differ on the sphere."""
     problem, budget = function_problem(f"function:bbob-{FUNCTIONS[name]}-{dimension}-1"), BUDGETS[dimension]

@@ -125,7 +125,7 @@ def test_a_start_leaves_the_numbers_above_it_as_they_are():
 @pytest.mark.parametrize(
     "name",
     [
-        "theory",
+        pytest.param("theory", marks=pytest.mark.slow),
         "static:mutants=4,children=12,strength=1.5,bias=1.2",
         pytest.param("symbolic", marks=pytest.mark.slow),
         pytest.param("optimal:onemax", marks=pytest.mark.slow),

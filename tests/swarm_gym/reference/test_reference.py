@@ -156,7 +156,7 @@ def visibility_length(made, sides, outside):
     return scipy.sparse.csgraph.dijkstra(lengths, directed=False, indices=0)[1]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=SEEDS, num_obstacles=st.integers(1, 8))
 def test_the_length_lies_between_those_around_inner_and_outer_polygons(seed, num_obstacles):
     made = passable_scenario(seed, num_obstacles)
@@ -428,8 +428,9 @@ def test_equal_problems_have_one_digest_whatever_their_name_and_number_type():
     assert digest(made("another radius", int, 2)) not in digests
 
 
-def test_environments_do_not_import_what_computes_optima():
+def test_environments_import_neither_pygame_nor_what_computes_optima():
     code = "import sys, swarm_gym.env; print(*sys.modules)"
     loaded = subprocess.check_output([sys.executable, "-c", code], text=True).split()
     assert "swarm_gym.reference" in loaded
     assert {f"swarm_gym.reference.{m}" for m in ("waypoint_optimum", "visibility")}.isdisjoint(loaded)
+    assert "pygame" not in loaded

@@ -11,6 +11,7 @@ from helpers.builders import as_path, function_problem
 from helpers.compiled import compiled
 from helpers.loops import looped
 from helpers.refusals import refused
+from helpers.slow import slow_but
 from oracles.naive_swarm import oracle_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
@@ -26,6 +27,8 @@ from swarm_gym.settings import Settings
 from swarm_gym.worlds import problems_for
 
 functions = pytest.mark.parametrize("function", FUNCTIONS)
+# Other tests compare the values of all functions, with those of ioh and of the program of the authors.
+some_functions = pytest.mark.parametrize("function", slow_but([*FUNCTIONS][::3], FUNCTIONS))
 
 # Values of `coco-experiment` 2.8.2, f_opt included, at (4.5, -3.5, 0.75), three dimensions, instance 4.
 AT = (4.5, -3.5, 0.75)
@@ -86,7 +89,7 @@ def test_values_are_those_of_ioh(function, dimension, instance):
     np.testing.assert_allclose(problem.values(vectors), expected, rtol=1e-9, atol=1e-9)
 
 
-@functions
+@some_functions
 @settings(max_examples=8, deadline=None)
 @given(st.data())
 def test_values_are_those_of_the_definition(function, data):
@@ -100,7 +103,7 @@ def test_values_are_those_of_the_definition(function, data):
     assert collision == 0.0
 
 
-@functions
+@some_functions
 @looped("dimension", [2, 40])
 def test_the_value_at_the_optimum_is_0_and_larger_beside_it(function, dimension):
     problem = problem_of(function, dimension, 3)

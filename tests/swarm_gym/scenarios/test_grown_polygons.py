@@ -33,7 +33,7 @@ def clusters(seed, count=4):
     return [random_polygon(rng, centre, rng.uniform(10.0, 60.0)) for centre in centres]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seed=SEEDS, margin=st.floats(1e-3, 100.0))
 def test_a_grown_polygon_is_what_a_disc_around_its_points_covers(seed, margin):
     before = random_polygon(np.random.default_rng(seed), (0.0, 0.0), 50.0)

@@ -73,7 +73,7 @@ def test_values_are_those_of_metabox(function):
 
 
 @functions
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(st.data())
 def test_values_are_those_of_the_definition(function, data):
     """Compare with the oracle, outside of the domain too."""

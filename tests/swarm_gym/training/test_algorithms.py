@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from agents.train import main, read_command_line
+from helpers.slow import slow_but
 from helpers.trainings import EVOLUTION, STEPS, train
 from swarm_gym.runs.folder import RunFolderError, as_json
 from swarm_gym.training.algorithms import (
@@ -248,7 +249,10 @@ def test_the_help_has_the_options_of_one_algorithm(name, capsys):
     assert shown == {*option_names(ALGORITHMS[name])}
 
 
-@pytest.mark.parametrize("command", ["swarm_gym.training.command_line", "agents.train"])
+@pytest.mark.parametrize(
+    "command",
+    slow_but(["agents.train"], ["swarm_gym.training.command_line", "agents.train"]),
+)
 def test_a_command_imports_neither_torch_nor_the_simulation_before_it_trains(command):
     code = f"import sys, {command}; print(*sys.modules)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from helpers import trainings
+from helpers.slow import slow_but
 from helpers.trainings import tiny_config, train
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
@@ -34,7 +35,7 @@ def _policy(run, folder, weights):
 
 
 @pytest.mark.parametrize(("base", "begin"), [("none", 0), ("spsfa-tip", 0), ("spsfa-tip", 40)])
-@pytest.mark.parametrize("width", [8, 64])
+@pytest.mark.parametrize("width", slow_but([8], [8, 64]))
 def test_candidates_earn_what_their_policies_earn(tmp_path, base, begin, width):
     options = {"base": base, "corrected_from": begin, "hidden_layers": (width,), "observation": "rich"}
     run = train(tmp_path, **EVOLUTION, **options)

@@ -93,6 +93,7 @@ def test_a_policy_of_several_optimizers_is_validated_on_each_and_drives_any(tmp_
         assert episodes.evaluations[0] > 0
 
 
+@pytest.mark.slow
 def test_a_resumed_training_on_several_optimizers_equals_one_that_was_not_stopped(tmp_path):
     one, other = run_whole_and_stopped(tmp_path, 1, 2 * STEPS, **SEVERAL)
     ours, theirs = (run.learner.model.policy.state_dict() for run in (one, other))

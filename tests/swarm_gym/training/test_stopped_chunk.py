@@ -44,8 +44,8 @@ def scalars(folder):
         pytest.param({**SHORT, "algorithm": "recurrent-ppo", "lstm_size": 4}, 2, marks=pytest.mark.slow),
         pytest.param({**SHORT, "algorithm": "choice-ppo"}, 2, marks=pytest.mark.slow),
         ({**DEVICE, "averaging": 0.5}, 2),
-        (DQN, 2),
-        (EVOLUTION, 2),
+        pytest.param(DQN, 2, marks=pytest.mark.slow),
+        pytest.param(EVOLUTION, 2, marks=pytest.mark.slow),
         pytest.param(EVOLUTION, 3, marks=pytest.mark.slow),
     ],
     ids=[

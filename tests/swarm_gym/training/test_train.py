@@ -55,7 +55,8 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
     ("stop", "total", "options"),
     [
         (1, 3, {}),
-        (1, 3, {"algorithm": "device-ppo", "warm_start": "none"}),
+        # `test_device_ppo.py` resumes one, too.
+        pytest.param(1, 3, {"algorithm": "device-ppo", "warm_start": "none"}, marks=pytest.mark.slow),
         pytest.param(1, 3, {"algorithm": "recurrent-ppo", "warm_start": "none"}, marks=pytest.mark.slow),
         pytest.param(
             1,
