@@ -3,8 +3,8 @@
 D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for autonomous vehicles in unknown
 semi-structured environments", International Journal of Robotics Research 29(5), 2010. States are poses of any
 numbers. Of those in one cell of position and heading, the cheapest is kept. Steps are short arcs. The
-estimate of the rest comes from a guide, see `guide`, or is the length of the curve without obstacles,
-whichever is larger.
+estimate of the rest is the larger one of two. One comes from a guide, see `guide`; the other is the cost of
+the curve without obstacles, by its length and changes of direction.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Local search for drivable curves: parts are replaced by others that cost less and obey the same limits.
 
-A trial draws a part of the curve and a radius of arcs. It tries the curve of least length between both ends
-of the part. Or it tries two such curves over a pose that is drawn near the part. So the limits hold before
-and after each trial, and the cost never grows.
+A trial draws a part of the curve and a radius of arcs. It tries the curve between both ends of the part whose
+length and changes of direction cost least. Or it tries two such curves over a pose that is drawn near the
+part. So the limits hold before and after each trial, and the cost never grows.
 """
 
 from typing import NamedTuple
