@@ -149,7 +149,7 @@ class DriveSearch:
         field, driving = self._field, self._driving
         radius = self._limits.radius
         cell = min(max(radius / 4.0, SMALLEST_CELL), max(LARGEST_CELL, radius / 16.0)) / effort.finer
-        search = make_search(effort.nodes, cell, effort.headings, 1.5 * cell, effort.weight)
+        search = make_search(effort.nodes, cell, effort.headings, 1.5 * cell, effort.weight, driving.reverses)
         if is_over():
             return search  # without a curve
         guide = self._guide(effort.beyond)

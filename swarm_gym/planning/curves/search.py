@@ -3,8 +3,8 @@
 D. Dolgov, S. Thrun, M. Montemerlo and J. Diebel, "Path planning for autonomous vehicles in unknown
 semi-structured environments", International Journal of Robotics Research 29(5), 2010. States are poses of any
 numbers. Of those in one cell of position and heading, the cheapest is kept. Steps are short arcs. The
-estimate of the rest comes from a guide, see `guide`, or is the length of the curve without obstacles,
-whichever is larger.
+estimate of the rest is the larger one of two. One comes from a guide, see `guide`; the other is the cost of
+the curve without obstacles, by its length and changes of direction.
 """
 
 import math
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.planning.curves.field import Field, cost_along, driven, is_free
 from swarm_gym.planning.curves.guide import rest_from
-from swarm_gym.planning.curves.pieces import advanced, connected
+from swarm_gym.planning.curves.pieces import advanced, connected, most_pieces
 from swarm_gym.reference.priority_queue import PriorityQueue, enter, take_first
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Search(NamedTuple):
     values: Integers
     "Cheapest node in that cell, (h,)."
     last: Floats
-    "Pieces of the last curve from the best node to the goal, (3, 2)."
+    "Pieces of the last curve from the best node to the goal, (`most_pieces`, 2)."
     counts: Integers
     "Nodes, waiting, expanded, best node, expanded when the first curve was found, last curves tried, (6,)."
     numbers: Floats
@@ -71,8 +71,11 @@ class Search(NamedTuple):
     "Factor of the estimate of the rest."
 
 
-def make_search(most: int, cell: float, headings: int, step: float, weight: float) -> Search:
-    """Return an empty search of at most so many nodes; other arguments are as in `Search`."""
+def make_search(most: int, cell: float, headings: int, step: float, weight: float, reverses: bool) -> Search:
+    """Return an empty search of at most so many nodes.
+
+    `reverses` says whether the robot may drive backwards; other arguments are as in `Search`.
+    """
     slots = 1 << (2 * most - 1).bit_length()
     queue = PriorityQueue(
         np.empty(most, np.int64), np.full(most, -1, np.int64), np.empty(most), np.empty(most)
@@ -84,7 +87,7 @@ def make_search(most: int, cell: float, headings: int, step: float, weight: floa
         queue,
         np.full(slots, -1, np.int64),
         np.empty(slots, np.int64),
-        np.zeros((3, 2)),
+        np.zeros((most_pieces(reverses), 2)),
         np.array([0, 0, 0, -1, -1, 0], np.int64),
         np.array([math.inf, 0.0]),
         cell,
@@ -106,7 +109,7 @@ def begin(guide: Floats, limits: Limits, goals: Floats, free: bool, search: Sear
         search: the search.
         starts: poses, (k, 3).
     """
-    scratch = np.zeros((3, 2))
+    scratch = np.zeros((most_pieces(limits.reverses), 2))
     for k in range(starts.shape[0]):
         _reach(
             guide, limits, goals, free, search, -1,
@@ -132,7 +135,7 @@ def expand(
     `begin`.
     """
     counts, numbers, queue = search.counts, search.numbers, search.queue
-    scratch, end = np.zeros((3, 2)), np.zeros(3)
+    scratch, end = np.zeros((most_pieces(limits.reverses), 2)), np.zeros(3)
     for _ in range(count):
         if counts[WAITING] == 0:
             return True
@@ -169,6 +172,12 @@ def expand(
                 ):  # fmt: skip
                     return True
     return False
+
+
+@kernel(inline="late")
+def price_of_changes(limits: Limits) -> float:
+    """Return the cost of a change of direction; infinite if the robot only drives forwards."""
+    return limits.changing if limits.reverses else math.inf
 
 
 @kernel
@@ -224,7 +233,9 @@ def _reach(
     search.pieces[node, 0], search.pieces[node, 1] = curvature, length
     search.parents[node] = parent
     if goals.shape[0] == 1:
-        alone = connected(search.poses[node], goals[0], limits.radius, limits.reverses, free, scratch)
+        alone = connected(
+            search.poses[node], goals[0], limits.radius, price_of_changes(limits), free, math.inf, scratch
+        )
         if math.isfinite(alone):
             rest = max(rest, alone)
     queue.length[node] = cost
@@ -249,9 +260,8 @@ def _try_last(
     """Keep the curve over a node and from there straight to the goal if it is free and the best so far."""
     search.counts[TRIED] += 1
     pose = search.poses[node]
-    length = connected(pose, end, limits.radius, limits.reverses, free, pieces)
     most = search.numbers[BEST_COST] - so_far
-    if not length < most:
+    if not connected(pose, end, limits.radius, price_of_changes(limits), free, most, pieces) < most:
         return
     total = cost_of(field, limits, pose, pieces, search.pieces[node, 1], most)
     if total < most:
@@ -259,7 +269,7 @@ def _try_last(
         search.counts[BEST_NODE] = node
         if search.counts[FIRST_FOUND] < 0:
             search.counts[FIRST_FOUND] = search.counts[EXPANDED]
-        for k in range(3):
+        for k in range(pieces.shape[0]):
             search.last[k, 0], search.last[k, 1] = pieces[k, 0], pieces[k, 1]
 
 
@@ -290,6 +300,8 @@ def cost_of(field: Field, limits: Limits, pose: Floats, pieces: Floats, before: 
         x, y, heading = advanced(x, y, heading, curvature, length)
     x, y, heading = pose[0], pose[1], pose[2]
     for k in range(pieces.shape[0]):
+        if k > 0 and pieces[k, 1] == 0.0:
+            continue  # its end is the one before it
         if not is_free(field, x, y, heading, pieces[k, 0], pieces[k, 1]):
             return math.inf
         x, y, heading = advanced(x, y, heading, pieces[k, 0], pieces[k, 1])
@@ -316,7 +328,7 @@ def found(search: Search) -> tuple[Floats, Floats]:
 
 @entry
 def cost_between(field: Field, limits: Limits, begin: Floats, end: Floats, is_checked: bool) -> float:
-    """Return the cost of the shortest curve between two poses without obstacles; for planners to compare.
+    """Return the cost of the curve that `connected` makes between two poses; for planners to compare.
 
     Args:
         field: obstacles and costs.
@@ -325,13 +337,13 @@ def cost_between(field: Field, limits: Limits, begin: Floats, end: Floats, is_ch
         end: last pose, (3,).
         is_checked: whether the result is infinite where the curve meets an obstacle.
     """
-    pieces = np.zeros((3, 2))
-    connected(begin, end, limits.radius, limits.reverses, False, pieces)
+    pieces = np.zeros((most_pieces(limits.reverses), 2))
+    connected(begin, end, limits.radius, price_of_changes(limits), False, math.inf, pieces)
     if is_checked:
         return cost_of(field, limits, begin, pieces, 0.0, math.inf)
     x, y, heading = begin[0], begin[1], begin[2]
     total = 0.0
-    for k in range(3):
+    for k in range(pieces.shape[0]):
         total += piece_cost(field, limits, x, y, heading, pieces[k, 0], pieces[k, 1])
         x, y, heading = advanced(x, y, heading, pieces[k, 0], pieces[k, 1])
     return total

@@ -1,8 +1,8 @@
 """Local search for drivable curves: parts are replaced by others that cost less and obey the same limits.
 
-A trial draws a part of the curve and a radius of arcs. It tries the curve of least length between both ends
-of the part. Or it tries two such curves over a pose that is drawn near the part. So the limits hold before
-and after each trial, and the cost never grows.
+A trial draws a part of the curve and a radius of arcs. It tries the curve between both ends of the part whose
+length and changes of direction cost least. Or it tries two such curves over a pose that is drawn near the
+part. So the limits hold before and after each trial, and the cost never grows.
 """
 
 from typing import NamedTuple
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.planning.curves.field import Field
-from swarm_gym.planning.curves.pieces import advanced, connected
-from swarm_gym.planning.curves.search import Limits, cost_of, piece_cost
+from swarm_gym.planning.curves.pieces import advanced, connected, most_pieces
+from swarm_gym.planning.curves.search import Limits, cost_of, piece_cost, price_of_changes
 
 Floats = NDArray[np.float64]
 
@@ -169,7 +169,8 @@ def shorten(
         stream: random numbers.
         trials: number of trials.
     """
-    draws, tried = np.zeros(DRAWS), np.zeros((6, 2))
+    most_of_one, changing = most_pieces(limits.reverses), price_of_changes(limits)
+    draws, tried = np.zeros(DRAWS), np.zeros((2 * most_of_one, 2))
     begin, middle, end = np.zeros(3), np.zeros(3), np.zeros(3)
     spliced = np.zeros((MOST_PIECES + 8, 3))
     replaced = 0
@@ -185,16 +186,17 @@ def shorten(
             begin[2] += TURNED * 2.0 * reach * (2.0 * draws[7] - 1.0)
         is_free = ends_free and last == whole and draws[3] > 0.4
         radius = limits.radius * RADII[int(draws[4] * RADII.shape[0])]
-        if draws[3] < 0.5:
-            count = 3
-            length = connected(begin, end, radius, limits.reverses, is_free, tried[:3])
-        else:
-            count = 6
-            _draw_beside(chain, part, draws, reach, middle)
-            length = connected(begin, middle, radius, limits.reverses, False, tried[:3])
-            length += connected(middle, end, radius, limits.reverses, is_free, tried[3:])
         most = part.cost * (1.0 - GAIN)
-        if not length < most:
+        if draws[3] < 0.5:
+            count = most_of_one
+            least = connected(begin, end, radius, changing, is_free, most, tried[:most_of_one])
+        else:
+            count = 2 * most_of_one
+            _draw_beside(chain, part, draws, reach, middle)
+            least = connected(begin, middle, radius, changing, False, most, tried[:most_of_one])
+            rest = most - least + NOTHING
+            least += connected(middle, end, radius, changing, is_free, rest, tried[most_of_one:])
+        if not least < most:
             continue
         cost = cost_of(field, limits, begin, tried[:count], part.before, most)
         if cost < most and _direction_at_end(tried, count) * part.behind < 0.0:

@@ -16,7 +16,7 @@ from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import GradedMap, Planner, plan
 from swarm_gym.planning.curve import Curve
-from swarm_gym.planning.curves.pieces import connect
+from swarm_gym.planning.curves.pieces import connect, connected
 from swarm_gym.planning.curves.search import Limits, cost_between
 from swarm_gym.planning.drive_costs import USUAL
 from swarm_gym.planning.drive_map import DriveMap
@@ -89,6 +89,21 @@ def test_short_curves_are_the_shortest_of_dubins():
     least = cost_between(drive_map.field, Limits(5.0 / drive_map.unit, False, 0.0, 0.0), begin, end, True)
     assert found.length == pytest.approx(least * drive_map.unit, rel=1e-4)
     assert found.length > math.dist(scenario.start, scenario.target) + 5.0
+
+
+def test_short_curves_with_reversing_are_the_cheapest_words():
+    """A robot that is beside its goal comes there by a word of four pieces; a change costs a radius."""
+    scenario = Scenario(
+        "lot", (0.0, 0.0), (2.0, 4.0), (Circle(30.0, -200.0, 1.0),), (-60.0, -300.0, 60.0, 90.0)
+    )
+    limits = {"turning_radius": 5.0, "start_heading": 0.0, "goal_heading": 0.0, "reverse": True}
+    found = plan(scenario, wishes={}, **limits)
+    begin, end = np.zeros(3), np.array([2.0, 4.0, 0.0])
+    pieces = np.zeros((5, 2))
+    least = connected(begin, end, 5.0, 5.0, False, math.inf, pieces)
+    assert (pieces[:, 1] != 0.0).sum() == 4
+    assert found.costs["sum"] == pytest.approx(least, rel=1e-4)
+    assert found.costs["sum"] > connect(begin, end, 5.0, True, False, pieces)
 
 
 def test_wide_arcs_cost_less_curvature():
