@@ -96,7 +96,7 @@ OTHERS = {
     "[README](../README.md)": ("cases-at-budgets", "paper"),
     "[learners](learners.md)": ("learners",),
     "[known optimum](known-optimum.md)": ("known-optimum",),
-    "[strong optimizers](strong-optimizers.md)": ("strong-optimizers",),
+    "[strong optimizers](strong-optimizers.md)": ("strong-optimizers", "strong-on-bbob", "beside-pycma"),
     "[terrain](terrain.md)": ("terrain-all", "terrain-eight", "terrain-control"),
     "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
@@ -258,6 +258,9 @@ FRONT_BLOCKS: Mapping[str, Block] = {
         "beside-metabox",
         _first_of(("stars of 16", "average rank")),
         "strong-optimizers",
+    ),
+    "on-bbob": partial(
+        _repeated, "strong-optimizers", "on-bbob", lambda cells: "blinded" not in cells[0], "strong-on-bbob"
     ),
     "learners": partial(
         _repeated, "learners", "reached-200000", lambda cells: not cells[0].startswith("FA-"), "learners"

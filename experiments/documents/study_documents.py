@@ -43,10 +43,20 @@ STRONG = (
     "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, learned, evolution",
     "CMA-ES, learned, evolution, longer", "L-SHADE, nlpsr",
 )  # fmt: skip
+# CMA-ES on BBOB: sizes, restarts, what was tuned, and policies with one that is blinded.
+ON_BBOB = (
+    "CMA-ES, default lambda", "CMA-ES, lambda 20", "CMA-ES, IPOP", "CMA-ES, constant tuned",
+    "CMA-ES, schedule tuned", "CMA-ES, learned, evolution", "CMA-ES, learned, evolution, longer",
+    "CMA-ES, learned, evolution, longer, blinded",
+)  # fmt: skip
+ON_BBOB_COLUMNS = (
+    "row", "at the end", "minus the tuned constant", "anytime", "anytime, minus the tuned constant",
+    "anytime, minus itself blinded", "at the end, 3 dimensions", "at the end, 40 dimensions",
+)  # fmt: skip
 # The rows of README.md, and for each kind of optimizer others with other first members or sizes.
 CASES = (
     *LADDER, "L-SHADE, 120 members, uniform first members", "CMA-ES, lambda 80, smooth first members",
-    "L-SHADE, from 120 to 4", "fireflies, 60 members, smooth first members", "fireflies, 30 members",
+    "L-SHADE, from 120 to 4", "fireflies, 60 members, smooth first members",
 )  # fmt: skip
 AT_BUDGETS = "strong/cases-at-budgets"  # folder of the paper's cases at equal evaluations
 CASES_TABLE = f"{AT_BUDGETS}/cases-at-budgets"
@@ -107,8 +117,9 @@ def _one_parameter(results: ResultsFolder) -> str:
 
 
 def _strong(results: ResultsFolder) -> str:
-    """Return the table of the functions of MetaBox, and show the figure of all rows."""
+    """Return the table of the functions of MetaBox, and show figures of all rows and of decisions."""
     name = "strong-optimizers/in-short"
+    results.show("strong-optimizers/decisions.svg")
     _show(results, "gaps", draw_gaps, results.table(name))
     return shortened(name, STRONG, results)
 
@@ -138,10 +149,11 @@ ONE_MAX_TABLES: Mapping[str, Block] = texts(("one-parameter", "valley", "countin
 READINGS_BLOCKS: Mapping[str, Block] = texts(("readings",))  # of the one-fifth rule
 STRONG_BLOCKS: Mapping[str, Block] = {
     "in-short": _strong,
+    "on-bbob": partial(shortened, "strong-optimizers/on-bbob", ON_BBOB, columns=ON_BBOB_COLUMNS),
     "cases-at-budgets": _cases_at_budgets,
 }
 STRONG_TABLES: Mapping[str, Block] = {
-    **texts(("in-short", "beside-metabox"), "strong-optimizers/"),
+    **texts(("in-short", "beside-metabox", "on-bbob", "beside-pycma"), "strong-optimizers/"),
     **texts(("cases-at-budgets",), f"{AT_BUDGETS}/"),
 }
 TERRAIN_BLOCKS: Mapping[str, Block] = {

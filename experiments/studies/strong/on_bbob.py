@@ -36,8 +36,11 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
             "at the end": mean(final[name], len(INSTANCES)),
             "minus the tuned constant": _difference(final, name, CONSTANT),
             "minus the tuned schedule": _difference(final, name, SCHEDULE),
+            "minus itself blinded": _difference(final, name, _blinded(name)),
             "anytime": mean(anytime[name], len(INSTANCES)),
             "anytime, minus the tuned constant": _difference(anytime, name, CONSTANT),
+            "anytime, minus the tuned schedule": _difference(anytime, name, SCHEDULE),
+            "anytime, minus itself blinded": _difference(anytime, name, _blinded(name)),
         }
         for dimension in OTHERS:
             row[f"at the end, {dimension} dimensions"] = _in_dimension(measured[dimension].get(name))
@@ -55,6 +58,10 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
     return Table.of("on-bbob", caption, rows)
 
 
+def _blinded(name: str) -> str:
+    return f"{name}, blinded"
+
+
 def _in_dimension(row: Measured | None) -> Entry:
     return MISSING if row is None else number(_logarithms([row.final]).mean(), ".2f")
 
@@ -64,7 +71,7 @@ def _logarithms(gaps: list[Floats]) -> Floats:
 
 
 def _difference(values: Mapping[str, Floats], name: str, rival: str) -> Entry:
-    """Return the difference to a rival with one training seed; runs of equal seeds are compared."""
-    if name == rival:
+    """Return the difference to a rival of one or as many training seeds, between runs of equal seeds."""
+    if name == rival or rival not in values:
         return MISSING
     return mean(values[name] - values[rival], len(INSTANCES), "+.2f")

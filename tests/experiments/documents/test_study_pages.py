@@ -51,6 +51,7 @@ SOURCES = {
     "known-optimum": {"one-parameter": "one-parameter"},
     "strong-optimizers": {
         "strong-optimizers/in-short": "in-short",
+        "strong-optimizers/on-bbob": "on-bbob",
         "strong/cases-at-budgets/cases-at-budgets": "cases-at-budgets",
     },
     "terrain": {"terrain/all/metabox-in-short": "all-rows-over-terrain"},
@@ -61,7 +62,7 @@ SHORT = {
     "bbob": ("bbob-groups",),
     "learners": ("reached-200000",),
     "known-optimum": ("one-parameter",),
-    "strong-optimizers": ("in-short", "cases-at-budgets"),
+    "strong-optimizers": ("in-short", "on-bbob", "cases-at-budgets"),
     "terrain": ("test-terrains",),
 }
 CHOSEN = {"study": learned.FINDINGS, "newcomers": newcomers.FINDINGS, "dynamic": dynamic.FINDINGS}
@@ -154,8 +155,11 @@ def test_findings_and_table_are_made_from_the_rows_of_the_appendix(name, tmp_pat
         path = tmp_path / f"{file}.json"
         path.parent.mkdir(exist_ok=True, parents=True)
         path.write_text(stored(path.stem, blocks[block]).json())
+    # The folder of all results, if the document has none of its own.
+    folder = tmp_path if DOCUMENTS[name][0].results else tmp_path / name
+    folder.mkdir(exist_ok=True)
     for figure in (ROOT / "docs/results" / name).glob("*.svg"):
-        shutil.copy(figure, tmp_path)
+        shutil.copy(figure, folder)
     makers, shown = DOCUMENTS[name][0].blocks, contents(page(name))
     chosen = set(SHORT[name]) & set(makers)
     assert chosen

@@ -51,7 +51,9 @@ def test_a_suite_runs_a_blinded_policy_as_another_controller():
 
 
 def test_a_blinded_policy_is_known_by_the_weights_of_the_policy(monkeypatch):
-    monkeypatch.setattr(masking, "watch", lambda *_, **__: pytest.fail("episodes run, though nothing decides"))
+    monkeypatch.setattr(
+        masking, "watch", lambda *_, **__: pytest.fail("episodes run, though nothing decides")
+    )
     seeing = identity(f"learned:{POLICY}", load_learned(POLICY))
     kind, masked, known = identity(NAME, load_blinded(POLICY))
     assert (kind, known) == ("masked", seeing)

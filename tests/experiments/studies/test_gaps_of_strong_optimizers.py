@@ -118,18 +118,25 @@ def test_differences_on_bbob_are_to_blind_rivals_over_three_dimensions():
         constant = Measured(10.0 * gaps, np.log10(gaps) + 2.0)
         learned = Measured(np.tile(gaps, (2, 1, 1)), np.tile(np.log10(gaps), (2, 1, 1)))
         rows = {CONSTANT: constant, SCHEDULE: constant, "CMA-ES, learned, PPO": learned}
-        return rows | ({"blinded": learned} if dimension in (5, 10, 20) else {})
+        blinded = Measured(100.0 * learned.final, learned.anytime + 3.0)
+        return rows | ({"CMA-ES, learned, PPO, blinded": blinded} if dimension in (5, 10, 20) else {})
 
     table = on_bbob({dimension: rows(dimension) for dimension in (3, 5, 10, 20, 40)})
-    constant, _, learned, blinded = table.rows
-    assert str(constant[2]) == "–"
+    constant, _, learned, blinded = (dict(zip(table.columns, row, strict=True)) for row in table.rows)
+    assert str(constant["minus the tuned constant"]) == "–"
+    assert str(constant["minus itself blinded"]) == "–"
+
     # Gaps below 1e-8 count as equal: of 1e-10 and 1e-9, and of 1e-20 and 1e-19.
-    assert learned[1].numbers["value"] == pytest.approx(-(5 + 8 + 8) / 3)
-    assert learned[2].numbers == pytest.approx({"value": -1 / 3, "low": -1 / 3, "high": -1 / 3})
-    assert learned[3].numbers["value"] == pytest.approx(-1 / 3)
-    assert learned[5].numbers["value"] == pytest.approx(-2.0)
-    assert [cell.numbers["value"] for cell in learned[6:]] == [-3.0, -8.0]
-    assert [str(cell) for cell in blinded[6:]] == ["–", "–"]  # it has no runs there
+    assert learned["at the end"].numbers["value"] == pytest.approx(-(5 + 8 + 8) / 3)
+    minus = learned["minus the tuned constant"].numbers
+    assert minus == pytest.approx({"value": -1 / 3, "low": -1 / 3, "high": -1 / 3})
+    assert learned["minus the tuned schedule"].numbers["value"] == pytest.approx(-1 / 3)
+    assert learned["minus itself blinded"].numbers["value"] == pytest.approx(-2 / 3)
+    for rival, difference in (("the tuned constant", -2), ("the tuned schedule", -2), ("itself blinded", -3)):
+        assert learned[f"anytime, minus {rival}"].numbers["value"] == pytest.approx(difference)
+    others = [f"at the end, {dimension} dimensions" for dimension in (3, 40)]
+    assert [learned[name].numbers["value"] for name in others] == [-3.0, -8.0]
+    assert [str(blinded[name]) for name in others] == ["–", "–"]  # it has no runs there
 
 
 def test_the_short_table_counts_functions_and_means():
