@@ -14,7 +14,8 @@ from niapy.task import Task
 
 NAME = "differential-evolution"
 FUNCTIONS = {"sphere": 1, "Rastrigin": 3, "Rosenbrock": 8, "ill-conditioned ellipsoid": 10}
-RUNS, SMALLEST = 30, 4
+RUNS, SMALLEST = 60, 4
+LEAST_P = 0.01 / 12  # 0.01 for the twelve comparisons together
 BUDGETS = {2: 800, 5: 2500, 10: 5000}  # evaluations by dimension; most gaps are not yet lost in rounding
 
 
@@ -27,6 +28,14 @@ class OfOurs(Problem):
 
     def _evaluate(self, x):
         return self.problem.evaluate(x)[0]
+
+
+class AsPrinted(LpsrSuccessHistoryAdaptiveDifferentialEvolution):
+    """The L-SHADE of niapy, whose archive loses vectors at random, as printed; niapy drops the last ones."""
+
+    def post_selection(self, pop, arc, arc_ind_cnt, *more, **options):
+        arc[:arc_ind_cnt] = arc[self.rng.permutation(arc_ind_cnt)]
+        return super().post_selection(pop, arc, arc_ind_cnt, *more, **options)
 
 
 def first_size(dimension):
@@ -49,7 +58,7 @@ def log_gaps(problem, budget, last=SMALLEST, seed=0):
 def log_gaps_of_niapy(problem, budget):
     found = []
     for seed in range(RUNS):
-        algorithm = LpsrSuccessHistoryAdaptiveDifferentialEvolution(first_size(problem.dimension), seed=seed)
+        algorithm = AsPrinted(first_size(problem.dimension), seed=seed)
         task = Task(problem=OfOurs(problem), max_evals=budget)
         found.append(algorithm.run(task)[1])
         assert task.evals == budget
@@ -71,6 +80,6 @@ def test_gaps_at_a_fixed_budget_are_distributed_as_those_of_niapy(name, dimensio
     """The test has something to see: without the reduction, the distributions differ on the sphere."""
     problem, budget = function_problem(f"function:bbob-{FUNCTIONS[name]}-{dimension}-1"), BUDGETS[dimension]
     ours, theirs = log_gaps(problem, budget), log_gaps_of_niapy(problem, budget)
-    assert ks_2samp(ours, theirs).pvalue > 0.01
+    assert ks_2samp(ours, theirs).pvalue > LEAST_P
     if name == "sphere":
         assert ks_2samp(log_gaps(problem, budget, last=first_size(dimension)), theirs).pvalue < 1e-6
