@@ -12,12 +12,12 @@ from typing import Literal
 
 import tyro
 
-from experiments.documents.digests import digests_of_strong
+from experiments.documents.digests import digests_of_results, digests_of_strong, results_key
 from experiments.documents.records import commits_in, record_of, write_record
 from experiments.plots.style import settings, write_figure
 from experiments.studies.strong.beside_pycma import beside_pycma, run_both
 from experiments.studies.strong.decisions import choose, draw_decisions
-from experiments.studies.strong.entrants import Entrant, entrants, entrants_on_bbob
+from experiments.studies.strong.entrants import CMA_ES, Entrant, entrants, entrants_on_bbob
 from experiments.studies.strong.grounds import COMPARED, OTHERS, bbob
 from experiments.studies.strong.measured_gaps import measure_all
 from experiments.studies.strong.on_bbob import on_bbob
@@ -79,7 +79,10 @@ def _write_on_bbob(config: StrongConfig) -> list[Path]:
     }
     table = on_bbob(measured)
     write_record(
-        record_of("strong-on-bbob", commits_in(folder.glob("*.json")), digests_of_strong()), config.output
+        record_of(
+            "strong-on-bbob", commits_in(folder.glob("*.json")), _digests(entrants_on_bbob(COMPARED[0]))
+        ),
+        config.output,
     )
     table.write(config.output)
     return [config.output / f"{table.name}.md"]
@@ -91,9 +94,15 @@ def _write_beside_pycma(config: StrongConfig) -> list[Path]:
         run_both(ground, BESIDE_PYCMA, config.runs, folder), BESIDE_PYCMA, ground.evaluations
     )
     table.write(config.output)
-    record = record_of("beside-pycma", commits_in(folder.glob("*.json")), digests_of_strong())
+    record = record_of("beside-pycma", commits_in(folder.glob("*.json")), digests_of_results([CMA_ES]))
     write_record(record, config.output)
     return [config.output / f"{table.name}.md"]
+
+
+def _digests(rows: Sequence[Entrant]) -> dict[str, str]:
+    """Return the digests of these rows and of their optimizers alone."""
+    names = {row.name for row in rows} | {results_key(row.optimizer) for row in rows}
+    return {name: digest for name, digest in digests_of_strong().items() if name in names}
 
 
 def _chosen(config: StrongConfig, every: Sequence[Entrant]) -> list[Entrant]:

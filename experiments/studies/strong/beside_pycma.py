@@ -6,6 +6,7 @@ into the bounds by a transformation, and draws smaller steps for small restarts.
 
 import time
 import warnings
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
@@ -15,22 +16,19 @@ from scipy.stats import mannwhitneyu
 from tqdm import tqdm
 
 from experiments.statistics import holm
-from experiments.studies.strong.entrants import CMA_ES, default_size
+from experiments.studies.strong.entrants import Entrant, controller_of, entrants_on_bbob
 from experiments.studies.strong.grounds import INSTANCES, NUM_FUNCTIONS, Ground
-from experiments.studies.strong.measured_gaps import Floats, file_name, kept
+from experiments.studies.strong.measured_gaps import Floats, file_name, kept, run_row
 from experiments.tables import Table
 from experiments.tables.cell import Entry, number
 from experiments.tables.table import Row
-from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.problem import Problem
 from swarm_gym.reward import LEAST_GAP
-from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 from swarm_gym.worlds import make_problem
 
 STEP = 0.3  # first step size in ranges, the default of the optimizer here
-LIMITS = SizeLimits(2, 2000)
 SIDE_BY_SIDE = 64  # runs of the optimizer here whose speed is measured
 MOST_RESTARTS = 20
 LEVEL = 0.05  # p-values below it count
@@ -61,42 +59,35 @@ def run_both(ground: Ground, dimension: int, num_runs: int, folder: Path) -> lis
         num_runs: number of runs of each on a scenario.
         folder: folder of the files, one for each scenario.
     """
-    rule, found = f"bipop:start={default_size(dimension)}", []
+    (row,) = (one for one in entrants_on_bbob(dimension) if one.name == "CMA-ES, BIPOP")
+    (rule,), found = row.controllers, []
     for scenario in tqdm(ground.scenarios, desc="pycma", unit="scenario"):
         asked: dict[str, object] = {
-            "rule": rule, "scenario": scenario, "runs": num_runs, "evaluations": ground.evaluations,
+            "rule": rule,
+            "scenario": scenario,
+            "runs": num_runs,
+            "evaluations": ground.evaluations,
             "pycma": version("cma"),
-        }  # fmt: skip
+        }
         file = folder / file_name("pycma", scenario, str(num_runs))
-
-        def run(scenario: str = scenario) -> Both:
-            return _run(scenario, rule, num_runs, ground.evaluations)
-
+        run = partial(_run, row, scenario, num_runs, ground.evaluations)
         found.append(kept(file, asked, Both, run))
     return found
 
 
-def _run(scenario: str, rule: str, num_runs: int, evaluations: int) -> Both:
-    ours, _ = _our_runs(scenario, rule, TEST[:num_runs], evaluations)  # compiles, too
-    _, our_speed = _our_runs(scenario, rule, TEST[:SIDE_BY_SIDE], evaluations)
+def _run(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> Both:
+    ours, _ = _our_runs(row, scenario, num_runs, evaluations)  # compiles, too
+    _, our_speed = _our_runs(row, scenario, SIDE_BY_SIDE, evaluations)
     problem = make_problem(scenario)
     theirs, speeds = zip(*(_their_run(problem, seed, evaluations) for seed in TEST[:num_runs]), strict=True)
     return Both(ours, np.array(theirs), np.array([our_speed]), np.array([np.mean(speeds)]))
 
 
-def _our_runs(scenario: str, rule: str, seeds: range, evaluations: int) -> tuple[Floats, float]:
+def _our_runs(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> tuple[Floats, float]:
     """Return final gaps, and evaluations in a second of processor time."""
-    controller = make_controller(rule, LIMITS)
+    controller = controller_of(row, row.controllers[0])
     before = time.process_time()
-    episodes = run_episodes(
-        controller,
-        scenario,
-        seeds,
-        CMA_ES,
-        iterations=evaluations // 4,
-        max_evaluations=evaluations,
-        max_population_size=LIMITS.largest,
-    )
+    episodes = run_row(row, controller, scenario, num_runs, evaluations)
     return episodes.final_fitness, episodes.evaluations.sum() / (time.process_time() - before)
 
 

@@ -16,7 +16,7 @@ from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
-from swarm_gym.rollout import run_episodes
+from swarm_gym.rollout import Episodes, run_episodes
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST
 
@@ -64,22 +64,25 @@ def measure_all(
 def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path, ground: Ground) -> Measured:
     """Return the gaps of one controller, arrays (functions, runs)."""
     made = _with_budget(controller_of(entrant, controller), ground.evaluations)
-    iterations = entrant.iterations * ground.evaluations // EVALUATIONS
     asked: dict[str, object] = {
         "optimizer": entrant.optimizer,
         "controller": controller,
         "identity": repr(made.identity()),
-        "iterations": iterations,
+        "iterations": _iterations(entrant, ground.evaluations),
         "runs": num_runs,
     }
     if ground.name:
         asked |= {"scenarios": [*ground.scenarios], "evaluations": ground.evaluations}
     name = file_name(ground.name, entrant.optimizer, controller, str(num_runs))
-    row = entrant._replace(iterations=iterations)
 
     def run() -> Measured:
-        found = [_run(row, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios]
-        return Measured(*(np.stack(part) for part in zip(*found, strict=True)))
+        found = [
+            run_row(entrant, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios
+        ]
+        return Measured(
+            np.stack([episodes.final_fitness for episodes in found]),
+            -np.stack([episodes.returns for episodes in found]),
+        )
 
     return kept(folder / name, asked, Measured, run)
 
@@ -118,19 +121,21 @@ def kept(file: Path, asked: Mapping[str, object], kind: type[Arrays], run: Calla
     return arrays
 
 
-def _run(
-    entrant: Entrant, controller: Controller, scenario: str, num_runs: int, evaluations: int
-) -> tuple[Floats, Floats]:
-    """Return gaps at the end and anytime, both (runs,), on one function."""
-    episodes = run_episodes(
+def _iterations(row: Entrant, evaluations: int) -> int:
+    """Return the iterations of a row, in proportion to the budget."""
+    return row.iterations * evaluations // EVALUATIONS
+
+
+def run_row(row: Entrant, controller: Controller, scenario: str, num_runs: int, evaluations: int) -> Episodes:
+    """Return runs of a row on one function, with the reward that is paid for the gap over the budget."""
+    return run_episodes(
         controller,
         scenario,
         TEST[:num_runs],
-        entrant.optimizer,
-        iterations=entrant.iterations,
+        row.optimizer,
+        iterations=_iterations(row, evaluations),
         max_evaluations=evaluations,
         reward="anytime",
         # The limits of a policy are in its file, and come before these.
-        max_population_size=(entrant.limits or SizeLimits()).largest,
+        max_population_size=(row.limits or SizeLimits()).largest,
     )
-    return episodes.final_fitness, -episodes.returns

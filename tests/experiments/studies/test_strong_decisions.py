@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.studies.strong import decisions
+from experiments.studies.strong import decisions, measured_gaps
 from experiments.studies.strong.decisions import PLACES, SHOWN, at_places, choose, draw_decisions
 from experiments.studies.strong.entrants import Entrant
 from swarm_gym.rollout import Episodes
@@ -25,7 +25,7 @@ def test_sizes_of_all_training_seeds_are_kept(tmp_path, monkeypatch):
         sizes = np.full((len(seeds), 400), float(len(asked)) * 10.0)
         return Episodes(sizes[:, 0], sizes[:, 0], sizes[:, 0], sizes, sizes)
 
-    monkeypatch.setattr(decisions, "run_episodes", run)
+    monkeypatch.setattr(measured_gaps, "run_episodes", run)
     monkeypatch.setattr(decisions, "RUNS", 3)
     row = Entrant("a row", "cma-es", ("fixed:10", "fixed:20"))
     sizes = choose(row, tmp_path)
