@@ -44,7 +44,7 @@ PENALTY = 1e4
 DEGREES = 180.0 / math.pi
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def metabox_terms(
     table: TerrainTable, path: Floats
 ) -> tuple[tuple[float, float, float, float, float, float, float], float]:
@@ -92,7 +92,7 @@ def _above(cross: float, dot: float, limit: float) -> float:
     return angle if angle > limit else 0.0
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def _threats(
     table: TerrainTable, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> tuple[float, float]:
@@ -112,7 +112,7 @@ def _threats(
     return cost, inside
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def _is_clear(
     table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
 ) -> bool:

@@ -14,6 +14,8 @@ from swarm_gym.problem.terrain.table import BLOCK, X_MIN, Y_MIN, TerrainTable
 
 # Share of a piece that touches the ground at least, where rounding could leave nothing of it.
 TOUCH = 1e-9
+# Metres between a flight and a limit of the band, at least, where the corners of a cell alone decide.
+MARGIN = 1e-6
 
 
 @kernel(inline="late")
@@ -45,7 +47,7 @@ def height(table: TerrainTable, x: float, y: float) -> float:
     return height_of_place(table, u, v)
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def height_as_coded(table: TerrainTable, x: float, y: float) -> float:
     """Return the nearest height to a point, halves to even places from 1 on, as published code reads it."""
     u, v = in_cells(table, x, y)
@@ -94,7 +96,7 @@ def _next_line(number: int, last: int, size: int, begin: float, change: float) -
     return (number * size - begin) / change if change < 0.0 and number > 0 else math.inf
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def below_ground(
     table: TerrainTable,
     x: float,
@@ -130,9 +132,9 @@ def below_ground(
     last_row = (table.num_rows - 2) // BLOCK
     column, row = min(int(u) // BLOCK, last_column), min(int(v) // BLOCK, last_row)
     here, below, outside, deepest = 0.0, 0.0, 0.0, 0.0
+    leaves_column = _next_line(column, last_column, BLOCK, u, du)
+    leaves_row = _next_line(row, last_row, BLOCK, v, dv)
     while True:
-        leaves_column = _next_line(column, last_column, BLOCK, u, du)
-        leaves_row = _next_line(row, last_row, BLOCK, v, dv)
         there = max(min(leaves_column, leaves_row, 1.0), here)
         if there > here or (du == 0.0 and dv == 0.0):
             near, far = z + dz * here, z + dz * there
@@ -149,11 +151,13 @@ def below_ground(
         here = there
         if leaves_column <= leaves_row:
             column += 1 if du > 0.0 else -1
+            leaves_column = _next_line(column, last_column, BLOCK, u, du)
         else:
             row += 1 if dv > 0.0 else -1
+            leaves_row = _next_line(row, last_row, BLOCK, v, dv)
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def _in_cells_of_block(
     table: TerrainTable,
     u: float,
@@ -173,33 +177,40 @@ def _in_cells_of_block(
     column = min(max(math.floor(u + du * middle), 0), last_column)
     row = min(max(math.floor(v + dv * middle), 0), last_row)
     here, below, outside, deepest = begin, 0.0, 0.0, 0.0
+    leaves_column = _next_line(column, last_column, 1, u, du)
+    leaves_row = _next_line(row, last_row, 1, v, dv)
     while True:
-        leaves_column = _next_line(column, last_column, 1, u, du)
-        leaves_row = _next_line(row, last_row, 1, v, dv)
         there = max(min(leaves_column, leaves_row, end), here)
         width = there - here
         if width > 0.0 or (du == 0.0 and dv == 0.0):
-            right, up = u + du * here - column, v + dv * here - row
-            near = z + dz * here - _height_in(table, column, row, right, up)
-            right, up = u + du * there - column, v + dv * there - row
-            far = z + dz * there - _height_in(table, column, row, right, up)
+            one, other = table.heights[row, column], table.heights[row, column + 1]
+            up_one, up_other = table.heights[row + 1, column], table.heights[row + 1, column + 1]
             # Above ground along the piece: near + (far - near) s + sag (s^2 - s), for s from 0 to 1.
-            twist = table.heights[row, column] + table.heights[row + 1, column + 1]
-            twist -= table.heights[row, column + 1] + table.heights[row + 1, column]
+            twist = (one + up_other) - (other + up_one)
             sag = -twist * du * dv * width * width
             spare = 0.25 * abs(sag)
-            if min(near, far) - spare < lowest:
-                share = share_below(near, far, sag)
-                if share > 0.0:
-                    below += share * width
-                    deepest = max(deepest, spare - min(near, far))
-                outside += share_below(near - lowest, far - lowest, sag) * width
-            if max(near, far) + spare > highest:
-                outside += share_below(highest - near, highest - far, -sag) * width
+            first, last = z + dz * here, z + dz * there
+            low = min(first, last) - max(one, other, up_one, up_other)
+            high = max(first, last) - min(one, other, up_one, up_other)
+            if low - spare < lowest + MARGIN or high + spare > highest - MARGIN:
+                right, up = u + du * here - column, v + dv * here - row
+                near = first - _height_in(table, column, row, right, up)
+                right, up = u + du * there - column, v + dv * there - row
+                far = last - _height_in(table, column, row, right, up)
+                if min(near, far) - spare < lowest:
+                    share = share_below(near, far, sag)
+                    if share > 0.0:
+                        below += share * width
+                        deepest = max(deepest, spare - min(near, far))
+                    outside += share_below(near - lowest, far - lowest, sag) * width
+                if max(near, far) + spare > highest:
+                    outside += share_below(highest - near, highest - far, -sag) * width
         if there >= end:
             return below, outside, deepest
         here = there
         if leaves_column <= leaves_row:
             column += 1 if du > 0.0 else -1
+            leaves_column = _next_line(column, last_column, 1, u, du)
         else:
             row += 1 if dv > 0.0 else -1
+            leaves_row = _next_line(row, last_row, 1, v, dv)

@@ -22,7 +22,7 @@ from swarm_gym.problem.terrain.table import (
 LEAST_CONTACT = 1e-6
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def near(table: TerrainTable, first: int, x: float, y: float, dx: float, dy: float) -> int:
     """Return which of eight threats, from the number `first` on, a segment endangers, as bits."""
     squared = dx * dx + dy * dy
@@ -34,7 +34,7 @@ def near(table: TerrainTable, first: int, x: float, y: float, dx: float, dy: flo
     return bits(away_x * away_x + away_y * away_y < load(table.threats[SQUARED_DANGER], first))
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def distance_from(
     table: TerrainTable, number: int, x: float, y: float, dx: float, dy: float, begin: float, end: float
 ) -> float:
@@ -47,7 +47,7 @@ def distance_from(
     return math.sqrt(away_x * away_x + away_y * away_y)
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def danger_of(
     table: TerrainTable, number: int, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> tuple[float, float]:
@@ -78,7 +78,7 @@ def danger_of(
     return 0.0, max((end - begin) * length, LEAST_CONTACT)
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def dangers(
     table: TerrainTable, x: float, y: float, z: float, dx: float, dy: float, dz: float
 ) -> tuple[float, int, float]:

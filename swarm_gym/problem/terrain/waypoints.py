@@ -34,7 +34,7 @@ def clipped(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-@kernel(borrows=True)
+@kernel(inline="late", borrows=True)
 def waypoint(
     table: TerrainTable, path: Floats, number: int, x: float, y: float, above: float
 ) -> tuple[float, float, float]:
