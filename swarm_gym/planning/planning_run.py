@@ -138,10 +138,6 @@ class PlanningRun:
         """The best path so far in the frame of the task, (k, 2)."""
         return self._task.frame.to_frame(self.improvements[-1].path)
 
-    @property
-    def _least_cost(self) -> float:
-        return self._cost_of(self._best) if self.improvements else math.inf
-
     def _is_over(self) -> bool:
         return time.monotonic() >= self._limit or self._is_stopped()
 
