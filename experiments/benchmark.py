@@ -10,7 +10,7 @@ from pathlib import Path
 
 import tyro
 
-from experiments.speed import environments, growth, moves, rendering, start, threads, training
+from experiments.speed import environments, growth, moves, start, threads, training
 from experiments.speed.benchmark_page import write_page
 from experiments.speed.measurement import (
     BenchmarkGroup,
@@ -30,7 +30,7 @@ GROUPS: dict[str, BenchmarkGroup] = {
     "growth": BenchmarkGroup(growth.quantities, growth.summary),
     "start": BenchmarkGroup(start.quantities),
     "training": BenchmarkGroup(training.quantities),
-    "rendering": BenchmarkGroup(rendering.quantities),
+    "rendering": BenchmarkGroup(environments.picture_quantities),
 }
 
 

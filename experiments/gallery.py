@@ -12,16 +12,18 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 from tqdm import tqdm
 
-from agents import make_controller
-from experiments.plots.map_pictures import map_environment, map_of
+from agents import Controller, make_controller
 from experiments.plots.video_files import Picture, nearest, palette_of
 from swarm_gym.command import command
 from swarm_gym.comparing.entrants import iterate
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.registration import environment_id
+from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
 from swarm_gym.scenarios import FAMILIES, DynamicScenario, make_scenario
 
 DOCUMENT = Path("docs/gallery.md")
@@ -120,6 +122,26 @@ def _environment(panel: Panel) -> Any:
     return map_environment(
         panel.optimizer, controller, (WIDTH, HEIGHT), scenario=panel.scenario, **panel.options
     )
+
+
+def map_environment(optimizer: str, controller: Controller, size: tuple[int, int], **options: Any) -> Any:
+    """Return an environment whose pictures, cut by `map_of`, show the map in this size, (width, height)."""
+    around = (MARGIN + CHART_COLUMN, HEADER + FOOTER)
+    width, height = (inner + round(outer * SMALLEST_SCALE) for inner, outer in zip(size, around, strict=True))
+    return gymnasium.make(
+        environment_id(optimizer),
+        render_mode="rgb_array",
+        render_width=width,
+        render_height=height,
+        **controller.env_options(),
+        **options,
+    )
+
+
+def map_of(picture: Picture, size: tuple[int, int]) -> Picture:
+    """Return the map of a picture, (height, width, 3), without the margins around it."""
+    (width, height), top, left = size, round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
+    return picture[top : top + height, left : left + width]
 
 
 def picture(panel: Panel) -> Picture:

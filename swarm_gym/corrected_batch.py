@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from swarm_gym.action import ACTIONS, Action, make_action
 from swarm_gym.batch import Flags, Floats, SwarmBatch
 from swarm_gym.controllers import Controller, SizeLimits, make_controller
-from swarm_gym.controllers.trial import require_trial
+from swarm_gym.controllers.controller import require_trial
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer

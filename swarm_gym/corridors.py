@@ -29,7 +29,7 @@ from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.errors import SettingError
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
-from swarm_gym.problem.grid.encoding import Curve
+from swarm_gym.problem.grid.encoding import BezierCurve
 from swarm_gym.scenarios import Circle, GridMap, Obstacle, Point
 
 Floats = NDArray[np.float64]
@@ -70,7 +70,7 @@ class Corridors:
         """
         posts = posts_of(problem)
         points = problem.points
-        if isinstance(problem, GridProblem) and isinstance(problem.curve, Curve):
+        if isinstance(problem, GridProblem) and isinstance(problem.curve, BezierCurve):
             curve = problem.curve
             last = len(curve.first) - 1
             kept = np.append(np.arange(0, last, CURVE_STEP), last)

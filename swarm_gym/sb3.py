@@ -11,10 +11,11 @@ Swarms on a GPU (`device="cuda"`) are copied to the memory of the host at every 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Space
+from gymnasium.spaces import Discrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
@@ -27,10 +28,8 @@ from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 
 try:
-    from stable_baselines3.common.vec_env import VecEnv
-    from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
-
-    from swarm_gym.choice_vec_env import ChoiceVecEnv, make_choices
+    from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 except ImportError as error:
     raise MissingExtraError("swarm_gym.sb3", "stable-baselines3", "train") from error
 
@@ -99,6 +98,11 @@ def _combinations(numbers: Sequence[int], space: Any) -> NDArray[np.float32]:
     for number in numbers:
         require_integer("choices", number, 2, MOST_CHOICES)
     return make_choices(*(tuple(np.linspace(-1.0, 1.0, number).tolist()) for number in numbers))
+
+
+def make_choices(*numbers: tuple[float, ...]) -> NDArray[np.float32]:
+    """Return all actions with one of these numbers for each of k decisions, scaled to [-1, 1]: (n, k)."""
+    return np.array(list(product(*numbers)), dtype=np.float32)
 
 
 def _sign(space: Any, optimizer: str, settings: Settings, base: str | Controller | None) -> None:
@@ -278,6 +282,31 @@ class NativeVecEnv(VecEnv):
             rows = left & [_equal(options, other) for other in self._options]
             yield options, rows
             left &= ~rows
+
+
+class ChoiceVecEnv(VecEnvWrapper):
+    """Swarms in which an action is the number of a row of `choices`, for learners that choose.
+
+    Args:
+        env: environment whose actions have k numbers.
+        choices: (n, k) the actions that can be chosen.
+    """
+
+    def __init__(self, env: VecEnv, choices: NDArray):
+        super().__init__(env, action_space=Discrete(len(choices)))
+        self.choices = choices
+
+    def reset(self) -> NDArray:
+        """Begin new episodes of all swarms."""
+        return self.venv.reset()  # type: ignore[return-value]
+
+    def step_async(self, actions: NDArray) -> None:
+        """Keep the chosen actions for `step_wait`, given their numbers (B,)."""
+        self.venv.step_async(self.choices[actions])
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Advance all swarms."""
+        return self.venv.step_wait()
 
 
 def _equal(options: Mapping[str, Any], other: Mapping[str, Any]) -> bool:

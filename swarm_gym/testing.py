@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 from swarm_gym.controllers import Controller, make_controller
-from swarm_gym.controllers.trial import require_trial
+from swarm_gym.controllers.controller import require_trial
 from swarm_gym.env import Info, SwarmEnv
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.observation import ITERATION, make_observation

@@ -3,7 +3,7 @@
 Two ways differ if something blocked lies between them. The first way is the path of A*, pulled tight. The
 others are such paths when a block lies somewhere on a way that is known, a disc of drawn place and size. Maps
 of circles and polygons are converted to cells before. Over terrain, ways are flights over a coarse graph, see
-`swarm_gym.reference.flight_ways`.
+`swarm_gym.reference.layered_flights`.
 """
 
 from dataclasses import replace
@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem, TerrainProblem
-from swarm_gym.problem.geometry.curves import evenly_spaced
-from swarm_gym.problem.geometry.polylines import length_of
+from swarm_gym.problem.geometry.polylines import evenly_spaced, length_of
 from swarm_gym.reference import shortest_grid_path, smooth
 from swarm_gym.scenarios import GridScenario, MapScenario, rasterised
 
@@ -34,7 +33,7 @@ def with_ways(problem: Problem) -> Problem:
     Where there are fewer than `NUM_WAYS`, they repeat, so that all problems have as many.
     """
     if isinstance(problem, TerrainProblem):
-        from swarm_gym.reference.flight_ways import flight_ways  # loads what environments else do without
+        from swarm_gym.reference.layered_flights import flight_ways  # loads what environments else do without
 
         vectors = flight_ways(problem, NUM_WAYS)
         return replace(problem, ways=vectors[np.arange(NUM_WAYS) % len(vectors)])

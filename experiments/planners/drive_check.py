@@ -22,7 +22,7 @@ CHUNK = 256  # poses whose pieces are looked up at once
 
 
 @dataclass(frozen=True)
-class Verdict:
+class DriveVerdict:
     """The result of the check.
 
     Attributes:
@@ -36,7 +36,7 @@ class Verdict:
     clearance: float
 
 
-def check(task: DriveTask, poses: Floats) -> Verdict:
+def check(task: DriveTask, poses: Floats) -> DriveVerdict:
     """Return whether sampled poses, (n, 3) with headings in radians, obey all limits of a task.
 
     The curvature is that of the points alone: the angle between neighbouring chords, over their mean length.
@@ -60,7 +60,7 @@ def check(task: DriveTask, poses: Floats) -> Verdict:
         broken = "curvature"
     elif clearance < task.radius - TOUCHING * task.scenario.map.resolution:
         broken = "distance"
-    return Verdict(broken, length, clearance)
+    return DriveVerdict(broken, length, clearance)
 
 
 def _wrapped(angles: Floats) -> Floats:

@@ -10,7 +10,7 @@ from contextlib import closing
 from pathlib import Path
 
 from agents import make_controller
-from experiments.plots.map_pictures import map_environment, map_of
+from experiments.gallery import map_environment, map_of
 from experiments.plots.video_files import GifFile
 from experiments.site import reference
 from experiments.site.commands import commands_page

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.plots.style import BLACK, BLUE, RED, new_figure, settings, write_figure
 from experiments.speed import growth
+from experiments.speed.environments import STEP_AND_RENDER
 from experiments.speed.environments import name as vector_name
 from experiments.speed.measurement import (
     CASES,
@@ -16,7 +17,6 @@ from experiments.speed.measurement import (
     medians,
     read_measurements,
 )
-from experiments.speed.rendering import STEP_AND_RENDER
 from experiments.speed.start import PEAK_OF_MANY
 from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table

@@ -1,6 +1,8 @@
-"""Steps per second of single and vector environments."""
+"""Steps per second of single and vector environments, and pictures per second of single ones."""
 
+import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -14,6 +16,12 @@ THREADS = tuple(sorted({1, ALL_THREADS}))
 # All rates are of these steps of an episode, since the first iteration makes fewer moves than later ones.
 FIRST_STEP, LAST_STEP = 10, 90
 SHORT_RUN = 1e6  # approximate number of moves of a measurement
+WIDTH, HEIGHT, SIZE = 640, 400, 100  # of pictures, in pixels, and number of members in them
+# All members of a first population collide. Repair makes some of them feasible.
+ACTION = np.array([float(SIZE), 0.5])
+FIRST_FRAME, FRAMES_MADE = 10, 20
+FRAMES = f"frames of {WIDTH} x {HEIGHT}, {SIZE} members"
+STEP_AND_RENDER = f"{FRAMES}, env.step and env.render"
 
 
 def quantities() -> Iterator[Quantity]:
@@ -77,3 +85,40 @@ def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Cal
 def run_steps(env: gymnasium.Env | SwarmVectorEnv, actions: np.ndarray, steps: int) -> float:
     """Return the wall time of some steps in seconds."""
     return seconds_of(lambda: [env.step(actions) for _ in range(steps)])
+
+
+def picture_quantities() -> Iterator[Quantity]:
+    """Yield the quantities of the group of pictures."""
+    yield Quantity(STEP_AND_RENDER, "frames/s", frames_per_second(lambda env: env.step(ACTION)))
+    yield Quantity(f"{FRAMES}, env.render alone", "frames/s", frames_per_second(lambda _: None))
+
+
+def frames_per_second(advance: Callable[[Any], Any]) -> Callable[[], float]:
+    """Return a function that measures frames per second on the cases; `advance` runs before each frame."""
+    envs = [
+        gymnasium.make(
+            "swarm_gym/Firefly-v0",
+            scenario=case,
+            initial_population_size=SIZE,
+            render_mode="rgb_array",
+            render_width=WIDTH,
+            render_height=HEIGHT,
+        )
+        for case in CASES
+    ]
+
+    def once() -> float:
+        spent = 0.0
+        for env in envs:
+            env.reset(seed=0)
+            for _ in range(FIRST_FRAME):
+                env.step(ACTION)
+            env.render()  # draws the map, which later frames reuse
+            begin = time.perf_counter()
+            for _ in range(FRAMES_MADE):
+                advance(env)
+                env.render()
+            spent += time.perf_counter() - begin
+        return len(envs) * FRAMES_MADE / spent
+
+    return once

@@ -1,4 +1,7 @@
-"""The interface of controllers, which map observations of swarms to population sizes and repair degrees."""
+"""The interface of controllers, which map observations of swarms to population sizes and repair degrees.
+
+It also has the checks of controllers: the trial of own ones, and whether one fits episodes of another.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -7,12 +10,17 @@ from typing import TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.action import make_action
 from swarm_gym.controllers.size_limits import SizeLimits
-from swarm_gym.errors import SettingError
-from swarm_gym.observation import ITERATION
+from swarm_gym.errors import SettingError, shown
+from swarm_gym.observation import ITERATION, make_observation
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.settings import Settings
 from swarm_gym.sources import GUIDED, SMOOTH, Source
 
 Floats = NDArray[np.float64]
+
+NUM_SWARMS = 3  # of a trial
 
 
 class NeededOptions(TypedDict, total=False):
@@ -177,3 +185,44 @@ def require_fitting(controller: Controller, max_evaluations: int | None) -> None
         )
     if controller.price is not None:
         raise ValueError(f"it observes a price, {controller.price:g}, which these episodes need not have")
+
+
+def require_trial(controller: object) -> None:
+    """Raise an error if an object is no controller, or decides in another form than its layouts say.
+
+    In a trial it decides for `NUM_SWARMS` swarms, in their first iteration and in the next one.
+
+    Raises:
+        ValueError: naming what was found and what was expected.
+    """
+    if not isinstance(controller, Controller):
+        raise ValueError(f"expected a Controller of swarm_gym.controllers, got {shown(controller)}")
+    size = getattr(controller, "initial_population_size", None)
+    if not isinstance(size, int | np.integer) or isinstance(size, bool) or size < 1:
+        raise ValueError(f"initial_population_size must be a positive integer, got {shown(size)}")
+    num_features = len(make_observation(controller.observation).features)
+    limits = controller.needed_limits or SizeLimits(2, max(int(size), SizeLimits().largest))
+    settings = Settings(
+        action=controller.action,
+        initial_population_size=int(size),
+        min_population_size=limits.smallest,
+        max_population_size=limits.largest,
+        max_evaluations=controller.max_evaluations,
+    )
+    space = make_action(settings, get_optimizer(controller.made_for or "firefly")).space
+    controller.reset(NUM_SWARMS, seed=0)
+    for iteration in range(2):
+        seen = np.zeros((NUM_SWARMS, num_features))
+        seen[:, ITERATION] = iteration
+        try:
+            decided = np.asarray(controller.act(seen))
+        except Exception as error:  # somebody else's code may raise anything
+            raise ValueError(f"act raised {error!r} for observations of shape {seen.shape}") from error
+        expected = (NUM_SWARMS, *space.shape)
+        if decided.shape != expected or decided.dtype.kind not in "fiu":
+            raise ValueError(
+                f"act must return numbers of shape {expected} for {NUM_SWARMS} swarms in the layout "
+                f"{controller.action!r}, got {decided.dtype} of shape {decided.shape}"
+            )
+        if not np.isfinite(decided).all():
+            raise ValueError(f"act must return finite numbers, got {shown(decided.tolist())}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import cast
 
 from swarm_gym.controllers import onemax_rules, onemax_schedules
-from swarm_gym.controllers.controller import Controller, SizeLimits
+from swarm_gym.controllers.controller import Controller, SizeLimits, require_trial
 from swarm_gym.controllers.distilled import load_rule
 from swarm_gym.controllers.fixed import Fixed, Random
 from swarm_gym.controllers.immigrants import Periodic, Reaction, Restart
@@ -29,7 +29,6 @@ from swarm_gym.controllers.size_rules import (
     StatusMonitor,
     TwoRegimes,
 )
-from swarm_gym.controllers.trial import require_trial
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.errors import shown
 from swarm_gym.own_code import OwnCodeError, find, is_own, own, refuse_unless_given

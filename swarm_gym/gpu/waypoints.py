@@ -66,7 +66,7 @@ def left_end(place: float, lane: int) -> float:
 def circle_shifts(
     tables: WaypointTables, p: int, entry: int, left: float, rise: float, length: float
 ) -> tuple[float, float]:
-    """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`.
+    """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.cost`.
 
     `entry` is the place of the first number of the circle among the numbers of problem `p`.
     """
@@ -93,7 +93,7 @@ def circle_shifts(
 def polygon_shifts(
     tables: WaypointTables, p: int, entry: int, num_corners: int, left: float, rise: float
 ) -> tuple[float, float]:
-    """Return the shifts that clear a convex polygon, see `swarm_gym.problem.analytic.collision`."""
+    """Return the shifts that clear a convex polygon, see `swarm_gym.problem.analytic.cost`."""
     height = left + rise * tables.rows[p, entry + CORNER_SHARE * BLOCK]
     up = tables.rows[p, entry + CORNER_TOP * BLOCK] - height
     down = height - tables.rows[p, entry + CORNER_BOTTOM * BLOCK]

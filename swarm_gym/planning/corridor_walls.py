@@ -20,7 +20,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-class Walls(NamedTuple):
+class CorridorWalls(NamedTuple):
     """Walls without width, in the frame of a task."""
 
     segments: Floats
@@ -29,7 +29,7 @@ class Walls(NamedTuple):
     "Points at blocked cells where walls end; an obstacle is near, (n, 2)."
 
 
-def walls_around(corridors: CorridorMap, path: Floats) -> Walls | None:
+def walls_around(corridors: CorridorMap, path: Floats) -> CorridorWalls | None:
     """Return the walls around the corridor of a path.
 
     Args:
@@ -47,7 +47,7 @@ def walls_around(corridors: CorridorMap, path: Floats) -> Walls | None:
     return None
 
 
-def _walls(cells: GridScenario, steps: Integers, posts: Floats) -> Walls | None:
+def _walls(cells: GridScenario, steps: Integers, posts: Floats) -> CorridorWalls | None:
     grid = cells.map
     passed = _passed(grid, posts)
     labels = _labels(grid.blocked, steps, passed)
@@ -77,7 +77,7 @@ def _walls(cells: GridScenario, steps: Integers, posts: Floats) -> Walls | None:
             corners = at_border[at_border[:, axis] == place] - 0.5
             lines.append(np.hstack([corners, corners + (way * np.eye(2))[axis]]))
     segments = np.vstack(lines).reshape(-1, 2)
-    return Walls(grid.to_map(segments).reshape(-1, 4), grid.to_map(at_blocks))
+    return CorridorWalls(grid.to_map(segments).reshape(-1, 4), grid.to_map(at_blocks))
 
 
 def _passed(grid: GridMap, posts: Floats) -> Integers:

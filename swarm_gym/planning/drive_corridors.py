@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.planning.alternatives import MORE
 from swarm_gym.planning.corridor_map import CorridorMap
-from swarm_gym.planning.corridor_walls import Walls, walls_around
+from swarm_gym.planning.corridor_walls import CorridorWalls, walls_around
 from swarm_gym.planning.curve import Curve
 from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_search import FINER, FIRST
@@ -131,7 +131,7 @@ class DriveCorridors:
         most = self.searches.cost_of(best) / (1.0 - switch_margin) if switch_margin < 1.0 else math.inf
         return curve if self.searches.cost_of(curve) <= most else None
 
-    def _to_obstacles(self, walls: Walls) -> Floats:
+    def _to_obstacles(self, walls: CorridorWalls) -> Floats:
         """Return walls in map units, (m, 4), with those that link their ends with the nearest obstacles."""
         to_map, capsules = self.drive_map.task.frame.to_map, self.drive_map.lattice.capsules
         segments = to_map(walls.segments.reshape(-1, 2)).reshape(-1, 4)

@@ -1,18 +1,19 @@
 """The planner as a function: the best free path on a map, and others through other corridors."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
-from swarm_gym.planning.any_run import run_of
+from swarm_gym.planning.drive_run import DriveRun
 from swarm_gym.planning.maps import AnyMap
+from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.steady import SWITCH_MARGIN
-from swarm_gym.planning.tasks import read_task
+from swarm_gym.planning.tasks import Task, read_task
 from swarm_gym.scenarios import Point
 from swarm_gym.scenarios.graded_map import Grading
 
@@ -132,3 +133,11 @@ def plan(
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates, grading)
     return run_of(task, request, began, lambda: False).run()
+
+
+def run_of(
+    task: Task, request: Request, began: float, is_stopped: Callable[[], bool]
+) -> PlanningRun | DriveRun:
+    """Return the run of a request on a task; both classes describe arguments and errors."""
+    kind = PlanningRun if request.turning_radius is None else DriveRun
+    return kind(task, request, began, is_stopped)

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
 from swarm_gym.errors import SettingError
-from swarm_gym.planning.any_run import run_of
 from swarm_gym.planning.drive_run import DriveRun
 from swarm_gym.planning.maps import AnyMap, read_cells
+from swarm_gym.planning.planner import run_of
 from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan

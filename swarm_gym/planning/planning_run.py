@@ -15,7 +15,7 @@ from swarm_gym.planning.corridor_map import CorridorMap
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Improvement, Plan
-from swarm_gym.planning.search import EPISODES, Search, improvement_of
+from swarm_gym.planning.search import EPISODES, EpisodeSearch, improvement_of
 from swarm_gym.planning.steady import kept_corridor
 from swarm_gym.planning.tasks import Task
 from swarm_gym.planning.wished_path import improved, wished_path
@@ -138,10 +138,6 @@ class PlanningRun:
         """The best path so far in the frame of the task, (k, 2)."""
         return self._task.frame.to_frame(self.improvements[-1].path)
 
-    @property
-    def _least_cost(self) -> float:
-        return self._cost_of(self._best) if self.improvements else math.inf
-
     def _is_over(self) -> bool:
         return time.monotonic() >= self._limit or self._is_stopped()
 
@@ -155,7 +151,7 @@ class PlanningRun:
     def _search(self) -> bool:
         """Let swarms plan; return whether Ctrl-C ended them."""
         request = self._request
-        search = Search(
+        search = EpisodeSearch(
             self._task, request.optimizer, request.controller, request.seed, self._began, self.improvements
         )
         if self._before is not None:

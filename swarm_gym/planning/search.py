@@ -39,7 +39,7 @@ def improvement_of(task: Task, path: Floats, found_by: str, began: float) -> Imp
     return Improvement(time.monotonic() - began, mapped, length_of(path) / task.frame.factor, found_by)
 
 
-class Search:
+class EpisodeSearch:
     """Episodes on a task, and the shortest free path that they have found.
 
     Attributes:

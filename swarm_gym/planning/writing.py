@@ -1,20 +1,21 @@
 """Files with a path: CSV, GeoJSON, ROS's nav_msgs/Path as YAML, or a picture, by the ending of the name."""
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from swarm_gym.errors import MissingExtraError
+from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.curve import COLUMNS
 from swarm_gym.planning.drawing import as_png, as_svg
-from swarm_gym.planning.outputs import checked, format_of
 from swarm_gym.planning.result import Plan
+
+Made = TypeVar("Made")
 
 
 def as_csv(plan: Plan) -> str:
@@ -97,6 +98,42 @@ FORMATS: dict[str, Callable[[Plan], str | bytes]] = {
     ".svg": as_svg,
     ".png": as_png,
 }
+
+
+def format_of(path: Path, formats: Mapping[str, Made]) -> Made:
+    """Return the entry of the ending of a file's name.
+
+    Args:
+        path: file to write.
+        formats: function that makes the content of a file, by the ending of its name.
+
+    Raises:
+        SettingError: for an ending that is not in `formats`.
+    """
+    if path.suffix not in formats:
+        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(formats)}")
+    return formats[path.suffix]
+
+
+def checked(paths: Iterable[Path], formats: Mapping[str, object]) -> Iterator[Path]:
+    """Yield each name of a file that can be written, so that the caller can check more of it.
+
+    Args:
+        paths: files to write.
+        formats: function that makes the content of a file, by the ending of its name.
+
+    Raises:
+        SettingError: for an ending that is not in `formats`, a folder, or a name that is given twice.
+    """
+    seen = set()
+    for path in paths:
+        format_of(path, formats)
+        if path.is_dir():
+            raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
+        yield path
+        if path in seen:
+            raise SettingError(f"output {str(path)!r}: given twice; name each file once")
+        seen.add(path)
 
 
 def require_formats(paths: Iterable[Path]) -> None:

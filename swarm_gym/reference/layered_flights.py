@@ -1,7 +1,10 @@
-"""Flights over a coarse graph: offsets and altitudes at each waypoint, with the terms of the documented cost.
+"""Planned flights over terrain, through different valleys and past threats on other sides.
 
-Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node follows from
-the best flight to that node. So a flight is good and not always the best one of the graph.
+A flight leads over a coarse graph: offsets and altitudes at each waypoint, with the terms of the documented
+cost. Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node follows
+from the best flight to that node. So a flight is good and not always the best one of the graph.
+
+Further flights are found in the same way when a toll lies around a waypoint of a flight that is known.
 """
 
 import math
@@ -10,14 +13,53 @@ import numpy as np
 
 from swarm_gym.compiler.elementary import arctangent
 from swarm_gym.compiler.jit import entry, kernel
+from swarm_gym.problem import TerrainProblem
 from swarm_gym.problem.padding import Floats, Integers
 from swarm_gym.problem.terrain.cost import DEGREES, WEIGHTS, segment_terms, turn_between
 from swarm_gym.problem.terrain.ground import height
 from swarm_gym.problem.terrain.table import ABOVE, CLIMB, HIGHEST, LOWEST, TURN, TerrainTable, X, Y
 
+ATTEMPTS = 8  # to find another flight
+NODES = 25  # offsets at a waypoint
+SHARES = (0.25, 0.5, 0.75)  # of the band, at which nodes lie
+TOLL = 1e4  # as much as a contact
+REACHES = (0.04, 0.15)  # least and greatest reach of a toll, as shares of the width of the map
+LEAST_DIFFERENCE = 0.05  # of offsets at a waypoint, as a share of the width, that makes another flight
+MOST_COST = 1.5  # of another flight, in costs of the first
 # Columns of nodes: place, the best flight to it, and the last step of that flight.
 _X, _Y, _ABOVE, _Z, _COST, _DX, _DY, _CLIMB = range(8)
 _LENGTH, _THREATS, _ALTITUDE, _ANGLES, _GROUND, _BAND, _LIMITS = WEIGHTS
+
+
+def flight_ways(problem: TerrainProblem, most: int) -> Floats:
+    """Return planned flights, (K, 2 n), as offsets sideways and upwards, the cheapest first.
+
+    They are the same in every call.
+
+    Args:
+        problem: the problem, of any encoding and cost.
+        most: largest number of flights.
+    """
+    exact = TerrainProblem(problem.scenario, "waypoints", problem.num_waypoints)
+    table, n = exact.table, problem.num_waypoints
+    sideways = np.linspace(table.lower[:n], table.upper[:n], NODES, axis=1)
+    rng, upwards = np.random.default_rng(0), np.array(SHARES)
+    flights = [layered_flight(table, sideways, upwards, np.zeros((n, NODES)))]
+    costs = [exact.evaluate(flights[0])[0]]
+    for _ in range(ATTEMPTS):
+        if len(flights) == most:
+            break
+        known, at = flights[rng.integers(len(flights))], rng.integers(n)
+        tolls = np.zeros((n, NODES))
+        reach = rng.uniform(*REACHES) * table.width
+        tolls[at] = np.where(abs(sideways[at] - known[at]) < reach, TOLL, 0.0)
+        flight = layered_flight(table, sideways, upwards, tolls)
+        cost = exact.evaluate(flight)[0]
+        differences = [abs(flight[:n] - other[:n]).max() for other in flights]
+        if min(differences) > LEAST_DIFFERENCE * table.width and cost < MOST_COST * costs[0]:
+            flights.append(flight)
+            costs.append(cost)
+    return np.array(flights)[np.argsort(costs, kind="stable")]
 
 
 @entry

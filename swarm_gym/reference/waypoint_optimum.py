@@ -26,7 +26,7 @@ from swarm_gym.compiler.jit import entry
 from swarm_gym.errors import SettingError, SwarmGymError, shown
 from swarm_gym.files import write_atomically
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
-from swarm_gym.problem.analytic.collision import segment_collision
+from swarm_gym.problem.analytic.cost import segment_collision
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.reference.optima import FIELD_FILES, digest, known_optimum, store_optimum
 from swarm_gym.reference.shortest import shortest_path

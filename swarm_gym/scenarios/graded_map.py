@@ -31,7 +31,7 @@ UNKNOWN_CELLS = ("blocked", "free", "dear")
 DEAR = 1.0  # cost of ground of unknown cells that are dear: that of the dearest cells that are known
 
 
-class Scale(NamedTuple):
+class CellScale(NamedTuple):
     """A scale of values of cells.
 
     Attributes:
@@ -47,7 +47,7 @@ class Scale(NamedTuple):
     unknown: int
 
 
-SCALES = {"occupancy": Scale(100, 100, 100, -1), "costmap": Scale(252, 253, 254, 255)}
+SCALES = {"occupancy": CellScale(100, 100, 100, -1), "costmap": CellScale(252, 253, 254, 255)}
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ EXAMPLE = f"{NAME}:bbob-8-5-1"
 INSTANCES = range(1, 1001)
 
 
-class Suite(NamedTuple):
+class IohSuite(NamedTuple):
     """A suite of functions of `ioh` that are minimised in a box and whose optimum is known.
 
     Attributes:
@@ -51,10 +51,12 @@ class Suite(NamedTuple):
 
 
 SUITES = {
-    "bbob": Suite("BBOB", range(1, 25), range(2, 101), 5.0),
-    "sbox": Suite("SBOX", range(1, 25), range(2, 101), 5.0),
+    "bbob": IohSuite("BBOB", range(1, 25), range(2, 101), 5.0),
+    "sbox": IohSuite("SBOX", range(1, 25), range(2, 101), 5.0),
     # The hybrid functions F6, F7 and F8 divide the components into groups, and need more than two.
-    "cec2022": Suite("CEC2022", range(1001, 1013), (2, 10, 20), 100.0, {1006: (2,), 1007: (2,), 1008: (2,)}),
+    "cec2022": IohSuite(
+        "CEC2022", range(1001, 1013), (2, 10, 20), 100.0, {1006: (2,), 1007: (2,), 1008: (2,)}
+    ),
 }
 
 

@@ -26,11 +26,11 @@ from swarm_gym.scenarios.bbob.instance import (
     TURNED_SKEW_RASTRIGIN,
 )
 from swarm_gym.scenarios.bbob.metabox_instance import SEED, MetaBoxInstance
-from swarm_gym.scenarios.bbob.scenario import FUNCTIONS, BbobScenario, Suite, require_parts
+from swarm_gym.scenarios.bbob.scenario import FUNCTIONS, BbobScenario, BbobSuite, require_parts
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 
 NAME = "metabox-bbob"
-METABOX = Suite("MetaBox", NAME, (10, 30), range(1, 1_000_000_000), "seed")
+METABOX = BbobSuite("MetaBox", NAME, (10, 30), range(1, 1_000_000_000), "seed")
 TRAIN = (1, 2, 3, 5, 15, 16, 17, 21)
 SETS = {"train": TRAIN, "test": tuple(number for number in FUNCTIONS if number not in TRAIN)}
 USAGE = f"{NAME}:<function>-<dimension>[-biased][-seed:<seed>], {NAME}:train or {NAME}:test"
@@ -54,7 +54,7 @@ class MetaBoxScenario(BbobScenario):
         ScenarioError: for a function, a dimension or a seed that MetaBox does not have.
     """
 
-    suite: ClassVar[Suite] = METABOX
+    suite: ClassVar[BbobSuite] = METABOX
     instance: int = SEED
     biased: bool = False
 

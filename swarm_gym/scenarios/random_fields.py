@@ -19,7 +19,7 @@ NAME = "random-fields"
 USAGE = f"{NAME}:<split>:<number>"
 
 
-class Split(NamedTuple):
+class FieldSplit(NamedTuple):
     """A split of the random fields.
 
     Attributes:
@@ -35,20 +35,20 @@ class Split(NamedTuple):
 
 # The ranges of seeds are disjoint. Never change the seeds or the generator of a split: results refer to them.
 SPLITS = {
-    "train": Split(0, 1_000_000, Scatter().draw),
-    "validation": Split(1_000_000, 100_000, Scatter().draw),
-    "test": Split(1_100_000, 100_000, Scatter().draw),
-    "denser": Split(1_200_000, 100_000, Scatter(count=(22, 30), size=(30, 44), clearance=10).draw),
-    "larger": Split(
+    "train": FieldSplit(0, 1_000_000, Scatter().draw),
+    "validation": FieldSplit(1_000_000, 100_000, Scatter().draw),
+    "test": FieldSplit(1_100_000, 100_000, Scatter().draw),
+    "denser": FieldSplit(1_200_000, 100_000, Scatter(count=(22, 30), size=(30, 44), clearance=10).draw),
+    "larger": FieldSplit(
         1_300_000,
         100_000,
         Scatter(count=(20, 35), workspace=(1500, 900), reach=330, initial_reach=270, blocking=4).draw,
     ),
-    "narrow": Split(1_400_000, 100_000, Walls().draw),
-    "large-obstacles": Split(
+    "narrow": FieldSplit(1_400_000, 100_000, Walls().draw),
+    "large-obstacles": FieldSplit(
         1_500_000, 100_000, Scatter(count=(4, 7), size=(80, 110), reach=250, blocking=2).draw
     ),
-    "rotated": Split(1_600_000, 100_000, Scatter(workspace=(1200, 1200), turned=True).draw),
+    "rotated": FieldSplit(1_600_000, 100_000, Scatter(workspace=(1200, 1200), turned=True).draw),
 }
 
 

@@ -10,8 +10,8 @@
 corrections of a controller, goes with all of them.
 """
 
-from swarm_gym.wrappers.advantages import relative_to_group
 from swarm_gym.wrappers.grouped_episodes import GroupedEpisodes
+from swarm_gym.wrappers.groups import relative_to_group
 from swarm_gym.wrappers.paired_reward import PairedReward
 
 __all__ = ["GroupedEpisodes", "PairedReward", "relative_to_group"]

@@ -1,6 +1,6 @@
 """A wrapper of a native vector in which swarms of a group begin alike.
 
-The mean return of a group is a baseline without a critic, see `swarm_gym.wrappers.advantages`.
+The mean return of a group is a baseline without a critic, see `swarm_gym.wrappers.groups`.
 """
 
 from collections.abc import Callable

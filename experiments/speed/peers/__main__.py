@@ -7,11 +7,11 @@ from pathlib import Path
 import tyro
 
 from experiments.speed.measurement import BenchmarkGroup, measure_all, write_measurements
-from experiments.speed.peers import bezier, fireflies, fish, libraries
+from experiments.speed.peers import comparisons, libraries
 from experiments.speed.peers.runs import Peer, ratios
 
 FIREFLIES = (Peer("niapy", "firefly", libraries.niapy_firefly),)
-FISH = (Peer("scikit-opt AFSA", fish.OURS, libraries.scikit_opt_fish_swarm),)
+FISH = (Peer("scikit-opt AFSA", comparisons.FISH, libraries.scikit_opt_fish_swarm),)
 PEERS = (
     Peer("pyswarms GlobalBestPSO", "particle-swarm", libraries.pyswarms_particle_swarm),
     Peer("pygmo pso_gen", "particle-swarm", libraries.pygmo_particle_swarm),
@@ -20,9 +20,9 @@ PEERS = (
     Peer("pymoo GA", "elite-genetic", libraries.pymoo_genetic),
 )
 GROUPS = {
-    "peers": BenchmarkGroup(partial(fireflies.quantities, FIREFLIES), fireflies.summary),
-    "bezier-peers": BenchmarkGroup(partial(bezier.quantities, PEERS), ratios),
-    "fish-peers": BenchmarkGroup(partial(fish.quantities, FISH), ratios),
+    "peers": BenchmarkGroup(partial(comparisons.firefly_quantities, FIREFLIES), comparisons.firefly_summary),
+    "bezier-peers": BenchmarkGroup(partial(comparisons.curve_quantities, PEERS), ratios),
+    "fish-peers": BenchmarkGroup(partial(comparisons.fish_quantities, FISH), ratios),
 }
 
 

@@ -11,9 +11,8 @@ from experiments.runs.run import Run, arrives
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, mean_of_present, means
 from experiments.studies.dynamic.findings import FINDINGS, strongest
-from experiments.studies.dynamic.over_time import over_time_tables
+from experiments.studies.dynamic.over_time import over_time_tables, seeing_tables
 from experiments.studies.dynamic.recovery import recovery_tables
-from experiments.studies.dynamic.seeing import seeing_tables
 from experiments.studies.dynamic.suites import DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS
 from experiments.tables.block_contents import figure, findings, texts
 from experiments.tables.cell import MISSING, number, number_in, share_in

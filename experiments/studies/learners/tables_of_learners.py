@@ -37,7 +37,7 @@ CAPTION = (
 
 
 @dataclass(frozen=True)
-class Sample:
+class LearnerSample:
     """Episodes of controllers that differ in their training seed only.
 
     Attributes:
@@ -57,7 +57,7 @@ class Sample:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""
         return draw(len(self.gaps), (1,) * len(CASES), self.gaps.shape[2], stream)
 
-    def minus(self, other: "Sample") -> Cell:
+    def minus(self, other: "LearnerSample") -> Cell:
         """Return the difference of the objectives with its interval."""
         draws = self.draws(), other.draws(1)
         return number_in(*mean_difference(self.objective, other.objective, *draws), "+.2f")
@@ -73,29 +73,29 @@ class Sample:
         }
 
 
-def rivals() -> dict[str, Sample]:
+def rivals() -> dict[str, LearnerSample]:
     """Run the rivals on the test seeds, and return their samples by the names of their rows."""
     found = {}
     for row, names in RIVALS.items():
         runs = [[run_episodes(make_controller(name), case, TEST_SEEDS) for case in CASES] for name in names]
         fitness = np.array([[one.final_fitness for one in cases] for cases in runs])
         evaluations = np.array([[one.evaluations for one in cases] for cases in runs])
-        found[row] = Sample(gap_to_optimum(fitness, optima_of(CASES, {})[:, None]), evaluations)
+        found[row] = LearnerSample(gap_to_optimum(fitness, optima_of(CASES, {})[:, None]), evaluations)
     return found
 
 
-def learned(folder: Path, steps: int) -> dict[str, Sample]:
+def learned(folder: Path, steps: int) -> dict[str, LearnerSample]:
     """Return the samples of all recipes that have trainings of so many steps, by the names of recipes."""
     found = {}
     for name in RECIPES:
         trainings = stored(folder, name, steps)
         if trainings:
             gaps = np.array([one.outcome.gaps for one in trainings])
-            found[name] = Sample(gaps, np.array([one.outcome.evaluations for one in trainings]))
+            found[name] = LearnerSample(gaps, np.array([one.outcome.evaluations for one in trainings]))
     return found
 
 
-def reached(samples: Mapping[str, Sample], beside: Mapping[str, Sample], steps: int) -> Table:
+def reached(samples: Mapping[str, LearnerSample], beside: Mapping[str, LearnerSample], steps: int) -> Table:
     """Return the table of all learners and rivals, ordered by their objective."""
     paper, tuned = beside[label(PAPER)], beside["open loop three-cases"]
     rows_of_bases = {names[0]: row for row, names in RIVALS.items()}

@@ -18,7 +18,7 @@ from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.problem import Problem, TerrainProblem
-from swarm_gym.reference.flight_ways import flight_ways
+from swarm_gym.reference.layered_flights import flight_ways
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import TEST

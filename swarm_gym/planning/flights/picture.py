@@ -1,6 +1,13 @@
-"""A picture of a flight: relief, threats and flight from above, and below it the profile of heights."""
+"""Pictures of a flight: from above with the profile of heights, and a page in three dimensions.
+
+A reader turns the flight on the page, which loads nothing.
+"""
 
 import io
+import json
+import math
+from html import escape
+from importlib.resources import files
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +18,7 @@ from swarm_gym.errors import MissingExtraError
 from swarm_gym.planning.flights.ground_track import ground_track
 from swarm_gym.planning.flights.result import Flight
 from swarm_gym.scenarios import TerrainScenario
-from swarm_gym.scenarios.terrain.scenario import RADIUS, X, Y
+from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y
 from swarm_gym.scenarios.terrain.shade import hill_shade
 
 Floats = NDArray[np.float64]
@@ -21,6 +28,7 @@ LEFT, MARGIN = 64, 14  # of the profile
 FINER = 2  # a picture is drawn so many times larger and then reduced, so that edges are smooth
 PAPER, INK, FLIGHT, THREAT, START, GOAL = "#ffffff", "#3f3f46", "#c2410c", "#dc2626", "#15803d", "#1d4ed8"
 GROUND, BAND = "#a8a29e", "#e0f2fe"
+MOST_POSTS = 160  # of a side of the ground on the page
 LOW, HIGH = np.array([120.0, 150.0, 105.0]), np.array([240.0, 232.0, 214.0])  # colours by height
 
 
@@ -57,6 +65,45 @@ def as_png(flight: Flight) -> bytes:
     size = WIDTH, round(image.height / FINER)
     image.resize(size, Image.Resampling.BOX).save(content, "PNG", optimize=True)
     return content.getvalue()
+
+
+def as_page(flight: Flight) -> str:
+    """Return the page as HTML; its script is part of it."""
+    scenario = flight.map
+    step = math.ceil(max(scenario.heights.shape) / MOST_POSTS)
+    heights, colours = scenario.heights[::step, ::step], shaded(scenario)[::step, ::step]
+    x, y = scenario.origin
+    facts = [
+        ("length", f"{flight.length:,.0f} m"),
+        ("height above ground", f"{flight.least_height:.0f} to {flight.greatest_height:.0f} m"),
+        ("steepest climb", f"{flight.steepest_climb:.0f}°"),
+        ("sharpest turn", f"{flight.sharpest_turn:.0f}°"),
+        ("waypoints", str(len(flight.waypoints))),
+    ]
+    data = {
+        "rows": heights.shape[0],
+        "columns": heights.shape[1],
+        "cell": scenario.cell * step,
+        "heights": np.round(heights, 1).ravel().tolist(),
+        "colours": colours.reshape(-1, 3).tolist(),
+        "flight": np.round(flight.waypoints - (x, y, 0.0), 2).tolist(),
+        "threats": [
+            [*np.round((t[X] - x, t[Y] - y, t[RADIUS]), 2).tolist(), _top(t[TOP])] for t in scenario.threats
+        ],
+    }
+    here = files("swarm_gym.planning.flights")
+    template = here.joinpath("page.html").read_text(encoding="utf-8")
+    rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in facts)
+    return (
+        template.replace("{{title}}", escape(f"A flight over {scenario.name}"))
+        .replace("{{facts}}", rows)
+        .replace("{{data}}", json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
+    )
+
+
+def _top(height: float) -> float | None:
+    """Return the height of a top as JSON has it, which knows no infinity."""
+    return float(height) if math.isfinite(height) else None
 
 
 def shaded(scenario: TerrainScenario) -> NDArray[np.uint8]:

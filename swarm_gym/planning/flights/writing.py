@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.files import write_atomically
-from swarm_gym.planning.flights.page import as_page
-from swarm_gym.planning.flights.picture import as_png
+from swarm_gym.planning.flights.picture import as_page, as_png
 from swarm_gym.planning.flights.result import Flight
-from swarm_gym.planning.outputs import checked, format_of
+from swarm_gym.planning.writing import checked, format_of
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
 

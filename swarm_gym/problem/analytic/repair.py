@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, bits
-from swarm_gym.problem.analytic.collision import clearing_shifts, segments_of, smaller_shifts
+from swarm_gym.problem.analytic.cost import clearing_shifts, segments_of, smaller_shifts
 from swarm_gym.problem.analytic.table import PRESENCE, WaypointTable
 
 Floats = NDArray[np.float64]

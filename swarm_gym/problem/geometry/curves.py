@@ -5,18 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.elementary import interpolate, product
+from swarm_gym.compiler.elementary import product
+from swarm_gym.problem.geometry.polylines import evenly_spaced
 
 Floats = NDArray[np.float64]
 
 SAMPLES = 200  # of a polyline, to which a curve is fitted
-
-
-def evenly_spaced(path: Floats, number: int) -> Floats:
-    """Return points at even distances along a polyline, (k, 2), as (number, 2)."""
-    ends = np.concatenate([[0.0], np.cumsum(np.sqrt(np.square(np.diff(path, axis=0)).sum(axis=1)))])
-    at = np.linspace(0.0, ends[-1], number)
-    return np.stack([interpolate(at, ends, coordinates) for coordinates in path.T], axis=-1)
 
 
 def nearest_curves(paths: Floats, num_free: int) -> Floats:

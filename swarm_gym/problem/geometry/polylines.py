@@ -1,6 +1,7 @@
-"""Polylines: their length, and an exact test that they keep clear of circles and convex polygons.
+"""Polylines: length, evenly spaced points, and an exact test of clearance.
 
-For grid maps, `traversal` has the test.
+The test says whether a polyline keeps clear of circles and convex polygons; `traversal` has the test for grid
+maps.
 """
 
 from collections.abc import Iterable
@@ -8,6 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import interpolate
 from swarm_gym.scenarios import Circle, Obstacle, Polygon
 
 Floats = NDArray[np.float64]
@@ -16,6 +18,13 @@ Floats = NDArray[np.float64]
 def length_of(path: Floats) -> float:
     """Return the length of a polyline, (k, 2)."""
     return float(np.hypot(*np.diff(path, axis=0).T).sum())
+
+
+def evenly_spaced(path: Floats, number: int) -> Floats:
+    """Return points at even distances along a polyline, (k, 2), as (number, 2)."""
+    ends = np.concatenate([[0.0], np.cumsum(np.sqrt(np.square(np.diff(path, axis=0)).sum(axis=1)))])
+    at = np.linspace(0.0, ends[-1], number)
+    return np.stack([interpolate(at, ends, coordinates) for coordinates in path.T], axis=-1)
 
 
 def is_clear(points: Floats, obstacles: Iterable[Obstacle], tolerance: float) -> bool:

@@ -72,7 +72,7 @@ class Encoding:
         return (self.weights[..., None] * self.control_points(vectors)[..., window, :]).sum(axis=-2)
 
 
-class Curve(Encoding):
+class BezierCurve(Encoding):
     """An encoding in which every sample depends on all control points."""
 
     def points(self, vectors: ArrayLike) -> Floats:
@@ -96,7 +96,7 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     axes = RotatedAxes.of(scenario)
     x = spacing_of(scenario, free) * np.arange(1.0, free + 1)
     least, largest = offset_bounds(axes, x, _centres(scenario))
-    return Curve(
+    return BezierCurve(
         base,
         gain,
         source,
@@ -107,7 +107,7 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
         np.repeat(axes.across, free),
         np.tile(np.arange(free), 2),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
-        np.asfortranarray(bernstein(free + 1, BEZIER_SAMPLES)),  # as `Curve.points` goes through them
+        np.asfortranarray(bernstein(free + 1, BEZIER_SAMPLES)),  # as `BezierCurve.points` goes through them
     )
 
 

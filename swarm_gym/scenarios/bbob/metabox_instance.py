@@ -60,7 +60,7 @@ SHARE = 0.8
 LEAST_VALUES = range(1, 26)
 
 
-class Drawn(NamedTuple):
+class DrawnNumbers(NamedTuple):
     """Numbers that a function draws.
 
     Attributes:
@@ -119,13 +119,13 @@ class MetaBoxInstance(Instance):
 
 
 @lru_cache(maxsize=16)
-def draw_all(dimension: int, seed: int, biased: bool) -> tuple[Drawn, ...]:
+def draw_all(dimension: int, seed: int, biased: bool) -> tuple[DrawnNumbers, ...]:
     """Return what the 24 functions draw."""
     numbers = RandomNumbers(seed)
     return tuple(_draw(function + 1, dimension, numbers, biased) for function in range(len(FUNCTION_NAMES)))
 
 
-def _draw(function: int, dimension: int, numbers: "RandomNumbers", biased: bool) -> Drawn:
+def _draw(function: int, dimension: int, numbers: "RandomNumbers", biased: bool) -> DrawnNumbers:
     optimum = SHARE * (numbers.uniform(dimension) * (2.0 * REACH) - REACH)
     first, second = numbers.rotation(dimension), np.zeros((0, 0))
     least_value = 100.0 * numbers.whole(LEAST_VALUES[0], LEAST_VALUES[-1] + 1) if biased else 0.0
@@ -148,7 +148,7 @@ def _draw(function: int, dimension: int, numbers: "RandomNumbers", biased: bool)
         optimum = 0.5 * LUNACEK_PLACE * numbers.signs(dimension)
     if function in TWICE_ROTATED:
         second = numbers.rotation(dimension)
-    return Drawn(optimum, least_value, first, second, peaks)
+    return DrawnNumbers(optimum, least_value, first, second, peaks)
 
 
 class RandomNumbers:

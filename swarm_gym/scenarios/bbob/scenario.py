@@ -18,7 +18,7 @@ from swarm_gym.scenarios.function_scenario import FunctionScenario
 FUNCTIONS = range(1, len(FUNCTION_NAMES) + 1)
 
 
-class Suite(NamedTuple):
+class BbobSuite(NamedTuple):
     """Values that the parts of a scenario can have.
 
     Attributes:
@@ -37,7 +37,7 @@ class Suite(NamedTuple):
 
 
 # A rotation takes time that grows with the cube of the dimension.
-BBOB = Suite("BBOB", "bbob", range(2, 101), range(1, 1001))
+BBOB = BbobSuite("BBOB", "bbob", range(2, 101), range(1, 1001))
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class BbobScenario(FunctionScenario):
         ScenarioError: for a function, a dimension or an instance that does not exist.
     """
 
-    suite: ClassVar[Suite] = BBOB
+    suite: ClassVar[BbobSuite] = BBOB
     optimum: tuple[float, ...] = field(init=False)
     instance: int = 1
 
@@ -108,7 +108,7 @@ class BbobScenario(FunctionScenario):
 
 
 def require_parts(
-    where: str, function: object, dimension: object, instance: object, suite: Suite = BBOB
+    where: str, function: object, dimension: object, instance: object, suite: BbobSuite = BBOB
 ) -> None:
     """Raise an error unless a suite has a function of that number, dimension and instance.
 

@@ -125,7 +125,7 @@ def _make(name: str, make_base: Callable[[str], AnyScenario]) -> DynamicScenario
     return DynamicScenario(name, base, tuple(shifted), parts.drive)
 
 
-class _Parts(NamedTuple):
+class _NameParts(NamedTuple):
     """The parts of a name.
 
     Attributes:
@@ -143,7 +143,7 @@ class _Parts(NamedTuple):
     drive_part: str
 
 
-def _parse(name: str) -> _Parts:
+def _parse(name: str) -> _NameParts:
     event_at = f"(?:-([a-z]+)@({NUMBER}(?:-{NUMBER})?))?"
     drive_at = f"(-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
     match = re.fullmatch(f"{NAME}:(.+?){event_at}{drive_at}", name)
@@ -161,4 +161,4 @@ def _parse(name: str) -> _Parts:
     if (event is None and drive_part is None) or 0 in begins or "0" in (first, every):
         raise ScenarioError(usage)
     drive = None if drive_part is None else Drive(int(first), int(every), float(distance))
-    return _Parts(base, event, begins, drive, drive_part or "")
+    return _NameParts(base, event, begins, drive, drive_part or "")

@@ -8,9 +8,9 @@ from typing import Any
 
 from gymnasium.vector import VectorEnv
 
-from swarm_gym.choice_vec_env import ChoiceVecEnv, make_choices
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import Base
+from swarm_gym.sb3 import ChoiceVecEnv, make_choices
 from swarm_gym.training.algorithms import ChoicePPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.dqn import require_choices

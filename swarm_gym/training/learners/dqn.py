@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from stable_baselines3.common.logger import Logger
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.choice_vec_env import ChoiceVecEnv, make_choices
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.sb3 import ChoiceVecEnv, make_choices
 from swarm_gym.training.algorithms import DQN
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms

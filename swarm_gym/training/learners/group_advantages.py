@@ -1,6 +1,6 @@
 """Advantages relative to a group of swarms that began alike, as a rollout buffer of stable-baselines3.
 
-`swarm_gym.wrappers.advantages` says why advantages are relative to a group.
+`swarm_gym.wrappers.groups` says why advantages are relative to a group.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from gymnasium import Space
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 
-from swarm_gym.wrappers.advantages import relative_to_group
+from swarm_gym.wrappers.groups import relative_to_group
 
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 

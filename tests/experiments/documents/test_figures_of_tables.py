@@ -13,7 +13,7 @@ pytest.importorskip("tyro", reason="needs the extra `study`")
 from experiments.documents.interval_figure import draw_intervals
 from experiments.documents.marked_blocks import content_of
 from experiments.documents.study_documents import draw_control, draw_gaps, draw_objectives, draw_sizes
-from experiments.planners.figure import draw_planners
+from experiments.planners.short_tables import draw_planners
 from experiments.plots.style import render, settings
 from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.tables.table import Table

@@ -28,7 +28,7 @@ from experiments.speed.measurement import (
     write_measurements,
 )
 from experiments.speed.numpy_firefly import NumpyFirefly
-from experiments.speed.peers import bezier, fish
+from experiments.speed.peers import comparisons
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
 from helpers.slow import slow_but
@@ -79,14 +79,16 @@ def numbered(quantities):
 
 @pytest.fixture(scope="module")
 def curves():
-    return bezier.grid_problem()
+    return comparisons.grid_problem()
 
 
 def test_other_libraries_get_the_fitness_of_the_kernel_or_that_of_samples(curves):
     rng = np.random.default_rng(1)
     anywhere = rng.uniform(*curves.bounds, (60, curves.dimension))
     # Control points on the straight line and a little beside it, so that few samples are infeasible.
-    line = np.linspace(curves.scenario.start, curves.scenario.target, bezier.NUM_CONTROL_POINTS + 2)[1:-1]
+    line = np.linspace(curves.scenario.start, curves.scenario.target, comparisons.NUM_CONTROL_POINTS + 2)[
+        1:-1
+    ]
     near = line.T.ravel() + rng.normal(0.0, 10.0, (60, curves.dimension))
     corners = np.stack(curves.bounds)
     vectors = np.concatenate([anywhere, np.clip(near, *curves.bounds), corners])
@@ -118,7 +120,7 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
         return size * (iterations + 1)
 
     peers = (Peer("A", "particle-swarm", run), Peer("B", "elite-genetic", run))
-    quantities = list(bezier.quantities(peers))
+    quantities = list(comparisons.curve_quantities(peers))
     for quantity in quantities:
         if ": A," in quantity.name:
             assert quantity.once() > 0
@@ -141,16 +143,18 @@ def assert_ratios(measured, peers):
 
 
 def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
-    assert fish.rastrigin(np.zeros(10)) == 0.0
-    assert fish.rastrigin(np.ones(10)) == pytest.approx(10.0)
-    assert fish.rastrigin(np.array([0.5, 2.0])) == pytest.approx(20.25 + 4.0)
+    assert comparisons.rastrigin(np.zeros(10)) == 0.0
+    assert comparisons.rastrigin(np.ones(10)) == pytest.approx(10.0)
+    assert comparisons.rastrigin(np.array([0.5, 2.0])) == pytest.approx(20.25 + 4.0)
 
 
-@pytest.mark.parametrize("scenario", [pytest.param(fish.FUNCTION, marks=pytest.mark.slow), fish.CASE])
+@pytest.mark.parametrize(
+    "scenario", [pytest.param(comparisons.FUNCTION, marks=pytest.mark.slow), comparisons.CASE]
+)
 def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
-    problem = fish.environment(scenario).simulation.problems[0]
+    problem = comparisons.fish_environment(scenario).simulation.problems[0]
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
-    for cost in (fish.numpy_cost(scenario), compiled_cost(problem)):
+    for cost in (comparisons.path_cost(scenario), compiled_cost(problem)):
         assert_is_fitness(cost, [problem.evaluate(vector)[0] for vector in vectors], vectors)
 
 
@@ -162,11 +166,11 @@ def test_a_fish_swarm_is_measured_on_both_problems_and_compared_with_ours():
         runs.append((problem.dimension, cost.name, size, iterations))
         return size * (iterations + 1)
 
-    quantities = list(fish.quantities((Peer("A", fish.OURS, run),)))
+    quantities = list(comparisons.fish_quantities((Peer("A", comparisons.FISH, run),)))
     for quantity in quantities:
         assert quantity.once() > 0
     assert runs == [(dimension, cost, 100, 10) for dimension in (10, 31) for cost in COSTS]
-    assert_ratios(numbered(quantities), {fish.FUNCTION: "A", fish.CASE: "A"})
+    assert_ratios(numbered(quantities), {comparisons.FUNCTION: "A", comparisons.CASE: "A"})
 
 
 def test_a_figure_is_the_median_after_a_run_that_is_thrown_away_and_what_takes_long_is_measured_once():
@@ -197,7 +201,10 @@ PARTS = [partial(moves.part_nanoseconds, "case1", part) for part in moves.PARTS.
                 *(partial(moves.new_member_nanoseconds, "case1", one) for one in moves.NEW_MEMBERS.values()),
             ],
         ),
-        *(lambda name=name: ours_per_evaluation(bezier.environment(name)) for name in bezier.OURS),
+        *(
+            lambda name=name: ours_per_evaluation(comparisons.curve_environment(name))
+            for name in comparisons.WITH_CURVES
+        ),
     ],
 )
 def test_what_is_measured_runs_again_and_again(make):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from experiments.runs.suite import ControllerFamily
-from experiments.studies.dynamic.over_time import over_time_tables
-from experiments.studies.dynamic.seeing import seeing_tables
+from experiments.studies.dynamic.over_time import over_time_tables, seeing_tables
 from experiments.studies.dynamic.suites import DYNAMIC, TOLD
 from helpers.stored_runs import cells_of, outcomes_of, stored_run
 from swarm_gym.reference import known_optimum

@@ -22,7 +22,7 @@ from helpers.loops import looped, named_case
 from helpers.slow import slow_but
 from oracles import naive
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.analytic.collision import clearing_shifts
+from swarm_gym.problem.analytic.cost import clearing_shifts
 from swarm_gym.problem.analytic.table import PRESENCE
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 

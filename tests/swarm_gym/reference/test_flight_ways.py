@@ -6,7 +6,7 @@ import numpy as np
 
 from helpers.terrains import rolling_terrain
 from swarm_gym.problem import TerrainProblem
-from swarm_gym.reference.flight_ways import LEAST_DIFFERENCE, MOST_COST, flight_ways
+from swarm_gym.reference.layered_flights import LEAST_DIFFERENCE, MOST_COST, flight_ways
 from swarm_gym.scenarios import TerrainScenario
 
 
