@@ -106,17 +106,16 @@ class SwarmBatch:
     def reset(
         self,
         chosen: Flags,
-        generators: list[np.random.Generator],
+        seeds: NDArray[np.uint32],
         options: Mapping[str, object] | None,
     ) -> None:
-        """Begin episodes in the chosen swarms, seeded from their generators.
+        """Begin episodes in the chosen swarms.
 
         Args:
             chosen: (B,) swarms that begin an episode.
-            generators: one generator per swarm.
+            seeds: (k, 8) one seed per chosen swarm, see `swarm_gym.episode_seeds`.
             options: options of `reset`, see `Simulation.reset`.
         """
-        seeds = [episode_seed(generators[row]) for row in np.flatnonzero(as_numpy(chosen))]
         self.simulation.reset(chosen, seeds, options)
 
     def step(self, chosen: Flags, actions: object) -> tuple[Floats, Flags]:
@@ -311,8 +310,3 @@ class SwarmBatch:
 def is_there(values: NDArray) -> NDArray[np.bool_]:
     """Return (B,) which swarms have an entry in `SOMETIMES`, by its values of all swarms."""
     return ~np.isnan(values.reshape(len(values), -1)[:, 0])
-
-
-def episode_seed(generator: np.random.Generator) -> np.random.SeedSequence:
-    """Return the seed of the next episode of a swarm; advances the generator."""
-    return np.random.SeedSequence(generator.integers(0, 2**32, size=8).tolist())

@@ -21,7 +21,7 @@ from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.problem.onemax.table import OneMaxTable
-from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
+from swarm_gym.reset_options import Beginning, Seeds, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
 from swarm_gym.sources import KIND_OF_BENDS, kind_of_bends
@@ -160,14 +160,15 @@ class Simulation:
     def reset(
         self,
         chosen: Flags,
-        seeds: list[np.random.SeedSequence],
+        seeds: Seeds,
         options: Mapping[str, object] | None = None,
     ) -> None:
         """Begin new episodes in the chosen swarms.
 
         Args:
             chosen: (B,) swarms that begin an episode, an array of NumPy or of this simulation.
-            seeds: one seed per chosen swarm; it determines the scenario and all random numbers.
+            seeds: one seed per chosen swarm, which determines the scenario and all random numbers: their
+                entropies, (k, words), or a list of k seed sequences, which are left with two more children.
             options: `scenario` (the name of one of this environment's), `initial_population_size`,
                 `smooth_share` and `amplitude` of the first population, or `initial_population` (decision
                 vectors, shape (members, dimension), in map units).
@@ -175,11 +176,13 @@ class Simulation:
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
+            ValueError: if there are not as many seeds as chosen swarms.
         """
         size, population, scenario, source = self.read_options(options)
         swarms, numbers = self.swarms, np.flatnonzero(as_numpy(chosen))
         budget = self.settings.max_evaluations
-        seeds = [seed for _, seed in zip(numbers, seeds, strict=True)]  # as many as swarms
+        if len(seeds) != len(numbers):
+            raise ValueError(f"expected {len(numbers)} seeds, one per chosen swarm, got {len(seeds)}")
         drawn = draw_beginnings(seeds, self.settings, self.worlds, scenario)
         place, rows = self.place, self.place(numbers)
         swarms.problem[rows], swarms.stream[rows] = place(drawn.problem), place(drawn.stream)
