@@ -15,7 +15,7 @@ from swarm_gym.arrays import Namespace, as_numpy, assign, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.history import columns_of, write_state
+from swarm_gym.history import columns_of, forget, record
 from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
@@ -192,17 +192,14 @@ class Simulation:
             given = np.asarray(population, dtype=self.number)
             swarms.positions[rows, :size, : self.dimension] = place(given)
         swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
-        # Only what the last episode has written: the record of a long one is large.
-        has_begun = self.xp is np and bool((self.swarms.size[rows] > 0).all())
-        written = int(self.iteration[rows].max(initial=0)) + 1 if has_begun else None
-        self.history[rows, :written] = np.nan
+        forget(self.history, rows, swarms)
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
         chosen = place(as_numpy(chosen))
         self.begin(chosen, size, population is not None)
         self.running[rows] = True
-        self._record(chosen, 0.0, self.parameters)
+        self._record(chosen, self.full(0.0), self.parameters)
         self.gaps.initial[rows] = self.gaps.now()[rows]
 
     def begin(self, chosen: Flags, size: int, given: bool) -> None:
@@ -340,9 +337,7 @@ class Simulation:
         """
         return read_reset_options(options, self.settings, self.optimizer, self.worlds)
 
-    def _record(self, chosen: Flags, repair_degrees: Floats | float, parameters: Floats) -> None:
+    def _record(self, chosen: Flags, repair_degrees: Floats, parameters: Floats) -> None:
         """Write the present state of the chosen swarms, (B,), into `history`."""
-        old = self.history[self.rows, self.iteration]
-        new = self.xp.empty_like(old)
-        write_state(new, self.swarms, self.paths.feasible_fitness(), repair_degrees, parameters)
-        self.history[self.rows, self.iteration] = self.xp.where(chosen[:, None], new, old)
+        feasible_fitness = self.paths.feasible_fitness()
+        record(self.history, self.rows, chosen, self.swarms, feasible_fitness, repair_degrees, parameters)

@@ -282,7 +282,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
                 infos[name], infos[f"_{name}"] = values, rows.copy()
                 continue
             there = rows & is_there(values) if name in SOMETIMES else rows
-            if there.any():
+            if there.all():  # arrays of infos are new ones, see `SwarmBatch.info`
+                infos[name], infos[f"_{name}"] = values, there
+            elif there.any():
                 blank = np.zeros_like(values) if values.dtype != object else np.full_like(values, None)
                 blank[there] = values[there]
                 infos[name] = blank
