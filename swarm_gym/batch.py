@@ -106,17 +106,16 @@ class SwarmBatch:
     def reset(
         self,
         chosen: Flags,
-        generators: list[np.random.Generator],
+        seeds: NDArray[np.uint32],
         options: Mapping[str, object] | None,
     ) -> None:
-        """Begin episodes in the chosen swarms, seeded from their generators.
+        """Begin episodes in the chosen swarms.
 
         Args:
             chosen: (B,) swarms that begin an episode.
-            generators: one generator per swarm.
+            seeds: (k, 8) one seed per chosen swarm, see `swarm_gym.episode_seeds`.
             options: options of `reset`, see `Simulation.reset`.
         """
-        seeds = [episode_seed(generators[row]) for row in np.flatnonzero(as_numpy(chosen))]
         self.simulation.reset(chosen, seeds, options)
 
     def step(self, chosen: Flags, actions: object) -> tuple[Floats, Flags]:
@@ -247,6 +246,7 @@ class SwarmBatch:
 
         `robot`, (B, 2), and `driven`, (B,), are there if robots drive. Entries in `SOMETIMES` are NaN for
         swarms that do not have them: `optimality_gap` where the optimum is unknown or the episode goes on.
+        Those that only ended episodes have are left out if none of the asked swarms has one.
         Call `numbers` instead where copies from a GPU would take too long.
         """
         simulation, robots = self.simulation, self.simulation.robots
@@ -254,9 +254,10 @@ class SwarmBatch:
         ended = ~as_numpy(simulation.running)
         asked = ended if rows is None else ended & rows
         repaired = self._repaired(asked) if self.settings.final_repair else {}
-        feasible_paths = simulation.paths.feasible()
+        numbers = {name: as_numpy(values) for name, values in self.numbers().items()}
+        feasible_paths = simulation.paths.feasible(numbers["feasible_fitness"])
         return {
-            **{name: as_numpy(values) for name, values in self.numbers().items()},
+            **numbers,
             "best_path": simulation.paths.best(),
             "feasible_path": feasible_paths,
             "scenario": self._scenario_names[as_numpy(simulation.swarms.problem)],
@@ -264,7 +265,7 @@ class SwarmBatch:
             **where,
             **self._measured(feasible_paths, asked),
             **repaired,
-            "optimality_gap": self._final_gaps(),
+            **self._final_gaps(asked),
         }
 
     def _made_for(self) -> dict[str, NDArray]:
@@ -275,22 +276,27 @@ class SwarmBatch:
         return {"made_for": np.full(self.simulation.num_swarms, made_for, dtype=object).view(ObjectArray)}
 
     def _measured(self, paths: NDArray, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
-        """Return length and clearance of the best feasible paths of these swarms, (B,), else NaN."""
+        """Return length and clearance of the best feasible paths of these swarms, (B,), else NaN.
+
+        There are none on problems without a map, or if no episode has ended.
+        """
         simulation = self.simulation
+        rows = np.flatnonzero(ended)
+        if not (rows.size and isinstance(simulation.problems[0], MapProblem)):
+            return {}
         lengths, clearances = np.full((2, simulation.num_swarms), np.nan)
-        for row in np.flatnonzero(ended & is_there(paths)).tolist():
+        for row in rows[is_there(paths[rows])].tolist():
             problem = simulation.problem_of(row)
-            if isinstance(problem, MapProblem):
-                lengths[row] = length_of(paths[row])
-                clearances[row] = clearance_of(problem.scenario, paths[row])
+            assert isinstance(problem, MapProblem)
+            lengths[row] = length_of(paths[row])
+            clearances[row] = clearance_of(problem.scenario, paths[row])
         return {"feasible_length": lengths, "feasible_clearance": clearances}
 
-    def _final_gaps(self) -> NDArray[np.float64]:
-        """Return (B,) the optimality gaps of the swarms whose episodes have ended, else NaN."""
-        running = as_numpy(self.simulation.running)
-        if running.all():
-            return np.full(len(running), np.nan)
-        return np.where(running, np.nan, as_numpy(self.simulation.gaps.optimality()))
+    def _final_gaps(self, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
+        """Return the optimality gaps of these swarms, (B,), else NaN; none if no episode has ended."""
+        if not ended.any():
+            return {}
+        return {"optimality_gap": np.where(ended, as_numpy(self.simulation.gaps.optimality()), np.nan)}
 
     def _repaired(self, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
         """Return the final repairs of the best paths of these swarms, (B,); NaN where none was found."""
@@ -311,8 +317,3 @@ class SwarmBatch:
 def is_there(values: NDArray) -> NDArray[np.bool_]:
     """Return (B,) which swarms have an entry in `SOMETIMES`, by its values of all swarms."""
     return ~np.isnan(values.reshape(len(values), -1)[:, 0])
-
-
-def episode_seed(generator: np.random.Generator) -> np.random.SeedSequence:
-    """Return the seed of the next episode of a swarm; advances the generator."""
-    return np.random.SeedSequence(generator.integers(0, 2**32, size=8).tolist())

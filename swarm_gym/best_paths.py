@@ -47,10 +47,16 @@ class BestPaths:
         vector = as_numpy(self._swarms.best_position[row, : self._dimension])
         return self._worlds.problems[number].points(vector)
 
-    def feasible(self) -> Floats:
-        """Return (B, k, 2) best feasible paths, as `best` does; NaN where there is none."""
+    def feasible(self, fitness: Floats | None = None) -> Floats:
+        """Return (B, k, 2) best feasible paths, as `best` does; NaN where there is none.
+
+        Args:
+            fitness: (B,) what `feasible_fitness` returns, if it is known, as an array of NumPy.
+        """
         paths = self._walks() if self._are_walks else self._points(self._swarms.feasible_position)
-        paths[np.isnan(as_numpy(self.feasible_fitness()))] = np.nan
+        none = np.isnan(as_numpy(self.feasible_fitness()) if fitness is None else fitness)
+        if none.any():
+            paths[none] = np.nan
         return paths
 
     def feasible_fitness(self) -> Floats:

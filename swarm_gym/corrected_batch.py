@@ -109,11 +109,11 @@ class CorrectedBatch(SwarmBatch):
     def reset(
         self,
         chosen: Flags,
-        generators: list[np.random.Generator],
+        seeds: NDArray[np.uint32],
         options: Mapping[str, object] | None,
     ) -> None:
         """Begin episodes in the chosen swarms, see `SwarmBatch.reset`."""
-        super().reset(chosen, generators, options)
+        super().reset(chosen, seeds, options)
         if self._seed is None:
             self.reset_base(None)
         self._stale |= chosen

@@ -10,6 +10,7 @@ from swarm_gym.batch import SOMETIMES, is_there
 from swarm_gym.checks import refuse_negative_seed, require_integer
 from swarm_gym.controllers import Controller
 from swarm_gym.corrected_batch import CorrectedBatch, make_batch
+from swarm_gym.episode_seeds import draw_seeds
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
 from swarm_gym.settings import Settings
@@ -186,7 +187,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         super().reset(seed=seed)
         if isinstance(self._batch, CorrectedBatch):
             self._batch.reset_base(seed)
-        self._batch.reset(ALL, [self.np_random], options)
+        self._batch.reset(ALL, draw_seeds(self.np_random, 1), options)
         self._show()
         return self._batch.observe()[0], self._info()
 

@@ -5,12 +5,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import namespace_of
+from swarm_gym.compiler.jit import entry
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import POPULATION_COLLISION, Swarms
 from swarm_gym.settings import Settings
 from swarm_gym.sources import SOURCE_DECISIONS
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 class Columns(NamedTuple):
@@ -27,6 +31,7 @@ class Columns(NamedTuple):
 
 HISTORY = Columns._fields
 COLUMN = Columns(*range(len(HISTORY)))
+_NUM_COLUMNS = len(HISTORY)
 
 
 def columns_of(optimizer: type[Optimizer], settings: Settings) -> tuple[str, ...]:
@@ -35,29 +40,91 @@ def columns_of(optimizer: type[Optimizer], settings: Settings) -> tuple[str, ...
     return (*HISTORY, *optimizer.parameters, *decided)
 
 
-def write_state(
-    rows: Floats,
+def record(
+    history: Floats,
+    rows: Integers,
+    chosen: Flags,
     swarms: Swarms,
     feasible_fitness: Floats,
-    repair_degrees: Floats | float,
+    repair_degrees: Floats,
     parameters: Floats,
 ) -> None:
-    """Write the present state of B swarms.
+    """Write the present state of the chosen swarms, on the arrays of any library, see `swarm_gym.arrays`.
 
     Args:
-        rows: (B, columns) array that is written.
+        history: (B, iterations + 1, columns) array that is written.
+        rows: (B,) numbers of the swarms, 0 to B - 1.
+        chosen: (B,) swarms that are recorded.
         swarms: the swarms.
         feasible_fitness: (B,) fitness of the best feasible paths.
-        repair_degrees: phi of the last iteration, for all swarms or (B,).
+        repair_degrees: (B,) phi of the last iteration.
         parameters: (B, n) parameters of the optimizer in the last iteration.
     """
-    rows[:, COLUMN.population_collision] = swarms.summary[:, POPULATION_COLLISION]
-    rows[:, COLUMN.population_size] = swarms.size
-    rows[:, COLUMN.repair_degree] = repair_degrees
-    rows[:, COLUMN.best_fitness] = swarms.best_fitness
-    rows[:, COLUMN.evaluations] = swarms.evaluations
-    rows[:, COLUMN.best_collision] = swarms.best_collision
-    rows[:, COLUMN.feasible_fitness] = feasible_fitness
-    last = len(HISTORY) + parameters.shape[1]
-    rows[:, len(HISTORY) : last] = parameters
-    rows[:, last:] = swarms.source[:, : rows.shape[1] - last]
+    xp = namespace_of(history)
+    if xp is np:
+        _record_chosen(history, chosen, swarms, feasible_fitness, repair_degrees, parameters)
+        return
+    old = history[rows, swarms.iteration]
+    new = xp.empty_like(old)
+    new[:, COLUMN.population_collision] = swarms.summary[:, POPULATION_COLLISION]
+    new[:, COLUMN.population_size] = swarms.size
+    new[:, COLUMN.repair_degree] = repair_degrees
+    new[:, COLUMN.best_fitness] = swarms.best_fitness
+    new[:, COLUMN.evaluations] = swarms.evaluations
+    new[:, COLUMN.best_collision] = swarms.best_collision
+    new[:, COLUMN.feasible_fitness] = feasible_fitness
+    last = _NUM_COLUMNS + parameters.shape[1]
+    new[:, _NUM_COLUMNS:last] = parameters
+    new[:, last:] = swarms.source[:, : new.shape[1] - last]
+    history[rows, swarms.iteration] = xp.where(chosen[:, None], new, old)
+
+
+@entry
+def _record_chosen(
+    history: Floats,
+    chosen: Flags,
+    swarms: Swarms,
+    feasible_fitness: Floats,
+    repair_degrees: Floats,
+    parameters: Floats,
+) -> None:
+    """Do what `record` does, on NumPy arrays."""
+    last = _NUM_COLUMNS + parameters.shape[1]
+    for b in range(chosen.shape[0]):
+        if chosen[b]:
+            row = history[b, swarms.iteration[b]]
+            row[COLUMN.population_collision] = swarms.summary[b, POPULATION_COLLISION]
+            row[COLUMN.population_size] = swarms.size[b]
+            row[COLUMN.repair_degree] = repair_degrees[b]
+            row[COLUMN.best_fitness] = swarms.best_fitness[b]
+            row[COLUMN.evaluations] = swarms.evaluations[b]
+            row[COLUMN.best_collision] = swarms.best_collision[b]
+            row[COLUMN.feasible_fitness] = feasible_fitness[b]
+            for k in range(_NUM_COLUMNS, last):
+                row[k] = parameters[b, k - _NUM_COLUMNS]
+            for k in range(last, row.shape[0]):
+                row[k] = swarms.source[b, k - last]
+
+
+def forget(history: Floats, rows: Integers, swarms: Swarms) -> None:
+    """Fill the record of swarms with NaN, before their iterations are counted from 0 again.
+
+    In NumPy's arrays, only what their last episodes wrote is filled: the record of a long one is large.
+
+    Args:
+        history: (B, iterations + 1, columns) array that is written.
+        rows: (k,) numbers of the swarms.
+        swarms: the swarms; one without members has had no episode.
+    """
+    if namespace_of(history) is not np:
+        history[rows] = np.nan
+        return
+    _forget_rows(history, rows, swarms.size, swarms.iteration)
+
+
+@entry
+def _forget_rows(history: Floats, rows: Integers, size: Integers, iteration: Integers) -> None:
+    """Do what `forget` does, on NumPy arrays."""
+    for b in rows:
+        written = history.shape[1] if size[b] == 0 else iteration[b] + 1
+        history[b, :written] = np.nan

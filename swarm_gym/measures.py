@@ -91,9 +91,9 @@ class Prices:
         return self.of_reference * evaluations / self._reference
 
 
-def draw_price(settings: Settings, generator: np.random.Generator) -> float:
-    """Draw the price of an episode."""
+def prices_at(shares: Floats, settings: Settings) -> Floats:
+    """Return (k,) prices of episodes, at these shares in [0, 1) of the logarithms of their range, (k,)."""
     if not isinstance(settings.price, tuple):
-        return settings.price
+        return np.full(len(shares), settings.price, dtype=np.float64)
     low, high = log(settings.price)
-    return float(exp(low + (high - low) * generator.random()))
+    return exp(low + (high - low) * shares)

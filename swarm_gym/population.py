@@ -124,6 +124,13 @@ def make_workspace(num_columns: int) -> Workspace:
 
 
 @kernel(borrows=True)
+def clear_workspace(work: Workspace) -> None:
+    """Make scratch arrays like new ones, for the next swarm."""
+    for k in range(work.path.shape[0]):
+        work.path[k] = 0.0
+
+
+@kernel(borrows=True)
 def is_spent(swarms: Swarms, b: int) -> bool:
     """Return whether the evaluation budget of swarm `b` is spent."""
     return swarms.evaluations[b] >= swarms.budget[b]
@@ -320,7 +327,7 @@ def outlives(fitness: float, collision: float, other_fitness: float, other_colli
     return collision < other_collision
 
 
-@kernel
+@kernel(borrows=True)
 def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     """Write E(P) = k mean + (1 - k) std (eq. 7) and the other statistics into `swarms.summary`.
 
@@ -346,7 +353,7 @@ def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     summary[DIVERSITY] = _diversity(swarms.positions[b], size)
 
 
-@kernel
+@kernel(borrows=True)
 def _diversity(positions: Floats, size: int) -> float:
     squares = 0.0
     for k in range(positions.shape[1]):

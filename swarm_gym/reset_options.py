@@ -5,20 +5,26 @@ The options are the scenario, and the size, source or content of the first popul
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, cast
+from typing import NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.random_stream import STREAM_SHAPE, seed_stream
+from swarm_gym.compiler import first_draws
+from swarm_gym.compiler.random_stream import NUM_SEED_WORDS, seed_streams
+from swarm_gym.compiler.seed_sequence import generated, spawned
 from swarm_gym.errors import SettingError, UnknownNameError, shown
-from swarm_gym.measures import draw_price
+from swarm_gym.measures import prices_at
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.sources import Source
 from swarm_gym.worlds import Worlds
 
 Floats = NDArray[np.float64]
+Words = NDArray[np.uint64]
+
+# Seeds of k episodes: the entropies of k seed sequences, (k, words), or the sequences themselves.
+Seeds: TypeAlias = NDArray[np.uint32] | Sequence[np.random.SeedSequence]
 
 SOURCE_OPTIONS = ("smooth_share", "amplitude")
 RESET_OPTIONS = ("scenario", "initial_population", "initial_population_size", *SOURCE_OPTIONS)
@@ -54,23 +60,30 @@ class Drawn(NamedTuple):
     stream: NDArray[np.uint64]
 
 
-def draw_beginnings(
-    seeds: Sequence[np.random.SeedSequence], settings: Settings, worlds: Worlds, scenario: int | None
-) -> Drawn:
-    """Return what k seeds draw; the scenario is this one for all of them if it is not None."""
-    drawn = Drawn(
-        np.empty(len(seeds), dtype=np.int64),
-        np.empty(len(seeds)),
-        np.empty((len(seeds), *STREAM_SHAPE), dtype=np.uint64),
+def draw_beginnings(seeds: Seeds, settings: Settings, worlds: Worlds, scenario: int | None) -> Drawn:
+    """Return what k seeds draw; the scenario is this one for all of them if it is not None.
+
+    The first child of a seed draws scenario and price, and the second is the seed of the random stream.
+    """
+    for_numbers, for_streams = _words_of_children(seeds)
+    numbers, shares = first_draws.integers_and_shares(for_numbers, len(worlds.first))
+    if scenario is not None:
+        numbers[:] = scenario
+    return Drawn(worlds.first[numbers], prices_at(shares, settings), seed_streams(for_streams))
+
+
+def _words_of_children(seeds: Seeds) -> tuple[Words, Words]:
+    """Return the words that two children of each seed generate, (k, 4) and (k, 24), as NumPy spawns them."""
+    counts = first_draws.NUM_SEED_WORDS, NUM_SEED_WORDS
+    if isinstance(seeds, np.ndarray):
+        first, second = (generated(spawned(seeds, child), counts[child]) for child in (0, 1))
+        return first, second
+    spawned_by_numpy = [seed.spawn(2) for seed in seeds]
+    first, second = (
+        np.array([pair[child].generate_state(counts[child], np.uint64) for pair in spawned_by_numpy])
+        for child in (0, 1)
     )
-    for k, seed in enumerate(seeds):
-        scenario_seed, stream_seed = seed.spawn(2)
-        generator = np.random.default_rng(scenario_seed)
-        draw = generator.integers(len(worlds.first))
-        drawn.problem[k] = worlds.first[draw if scenario is None else scenario]
-        drawn.price[k] = draw_price(settings, generator)
-        drawn.stream[k] = seed_stream(stream_seed)
-    return drawn
+    return first.reshape(-1, counts[0]), second.reshape(-1, counts[1])
 
 
 def read_reset_options(

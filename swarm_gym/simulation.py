@@ -15,13 +15,13 @@ from swarm_gym.arrays import Namespace, as_numpy, assign, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.history import columns_of, write_state
+from swarm_gym.history import columns_of, forget, record
 from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.problem.onemax.table import OneMaxTable
-from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
+from swarm_gym.reset_options import Beginning, Seeds, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
 from swarm_gym.sources import KIND_OF_BENDS, kind_of_bends
@@ -160,14 +160,15 @@ class Simulation:
     def reset(
         self,
         chosen: Flags,
-        seeds: list[np.random.SeedSequence],
+        seeds: Seeds,
         options: Mapping[str, object] | None = None,
     ) -> None:
         """Begin new episodes in the chosen swarms.
 
         Args:
             chosen: (B,) swarms that begin an episode, an array of NumPy or of this simulation.
-            seeds: one seed per chosen swarm; it determines the scenario and all random numbers.
+            seeds: one seed per chosen swarm, which determines the scenario and all random numbers: their
+                entropies, (k, words), or a list of k seed sequences, which are left with two more children.
             options: `scenario` (the name of one of this environment's), `initial_population_size`,
                 `smooth_share` and `amplitude` of the first population, or `initial_population` (decision
                 vectors, shape (members, dimension), in map units).
@@ -175,11 +176,13 @@ class Simulation:
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
+            ValueError: if there are not as many seeds as chosen swarms.
         """
         size, population, scenario, source = self.read_options(options)
         swarms, numbers = self.swarms, np.flatnonzero(as_numpy(chosen))
         budget = self.settings.max_evaluations
-        seeds = [seed for _, seed in zip(numbers, seeds, strict=True)]  # as many as swarms
+        if len(seeds) != len(numbers):
+            raise ValueError(f"expected {len(numbers)} seeds, one per chosen swarm, got {len(seeds)}")
         drawn = draw_beginnings(seeds, self.settings, self.worlds, scenario)
         place, rows = self.place, self.place(numbers)
         swarms.problem[rows], swarms.stream[rows] = place(drawn.problem), place(drawn.stream)
@@ -189,17 +192,14 @@ class Simulation:
             given = np.asarray(population, dtype=self.number)
             swarms.positions[rows, :size, : self.dimension] = place(given)
         swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
-        # Only what the last episode has written: the record of a long one is large.
-        has_begun = self.xp is np and bool((self.swarms.size[rows] > 0).all())
-        written = int(self.iteration[rows].max(initial=0)) + 1 if has_begun else None
-        self.history[rows, :written] = np.nan
+        forget(self.history, rows, swarms)
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
         chosen = place(as_numpy(chosen))
         self.begin(chosen, size, population is not None)
         self.running[rows] = True
-        self._record(chosen, 0.0, self.parameters)
+        self._record(chosen, self.full(0.0), self.parameters)
         self.gaps.initial[rows] = self.gaps.now()[rows]
 
     def begin(self, chosen: Flags, size: int, given: bool) -> None:
@@ -337,9 +337,7 @@ class Simulation:
         """
         return read_reset_options(options, self.settings, self.optimizer, self.worlds)
 
-    def _record(self, chosen: Flags, repair_degrees: Floats | float, parameters: Floats) -> None:
+    def _record(self, chosen: Flags, repair_degrees: Floats, parameters: Floats) -> None:
         """Write the present state of the chosen swarms, (B,), into `history`."""
-        old = self.history[self.rows, self.iteration]
-        new = self.xp.empty_like(old)
-        write_state(new, self.swarms, self.paths.feasible_fitness(), repair_degrees, parameters)
-        self.history[self.rows, self.iteration] = self.xp.where(chosen[:, None], new, old)
+        feasible_fitness = self.paths.feasible_fitness()
+        record(self.history, self.rows, chosen, self.swarms, feasible_fitness, repair_degrees, parameters)

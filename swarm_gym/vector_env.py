@@ -4,16 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import AnyArray, as_numpy, copy_of
 from swarm_gym.batch import SOMETIMES, is_there
-from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.controllers import Controller
 from swarm_gym.corrected_batch import CorrectedBatch, make_batch
+from swarm_gym.episode_seeds import EpisodeSeeds
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
 from swarm_gym.settings import Settings
@@ -107,7 +106,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._batch = make_batch(base, optimizer, options, num_envs, num_threads, simulation_class)
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
-        self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
+        self._seeds = EpisodeSeeds(num_envs)
         self._ended: Flags = self.simulation.place(np.zeros(num_envs, dtype=np.bool_))
         self.single_action_space = self._batch.action_space
         self.single_observation_space = self._batch.observation_space
@@ -168,16 +167,12 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     ) -> None:
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)
-        # All seeds are checked before one is used.
         seeds = self._read_seeds(seed)
-        generators = [
-            _make_generator(one) if one is not None and chosen[row] else self._generators[row]
-            for row, one in enumerate(seeds)
-        ]
-        self._generators = generators
+        rows = np.flatnonzero(as_numpy(chosen))
+        self._seeds.begin({row: one for row in rows.tolist() if (one := seeds[row]) is not None})
         if isinstance(self._batch, CorrectedBatch) and chosen.all():
             self._batch.reset_base(seeds[0])
-        self._batch.reset(chosen, self._generators, options)
+        self._batch.reset(chosen, self._seeds.next_of(rows), options)
         self._ended &= self.simulation.place(~chosen)
 
     def observe(self) -> NDArray:
@@ -207,7 +202,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             restarting = terminated
             infos = self.final_infos(terminated)
         if restarting.any():
-            self._batch.reset(as_numpy(restarting), self._generators, None)
+            rows = np.flatnonzero(as_numpy(restarting))
+            self._batch.reset(as_numpy(restarting), self._seeds.next_of(rows), None)
         self._ended = ~self.simulation.running
         infos = {**self.infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
         return self._batch.observe(), rewards, terminated, nobody, infos
@@ -286,7 +282,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
                 infos[name], infos[f"_{name}"] = values, rows.copy()
                 continue
             there = rows & is_there(values) if name in SOMETIMES else rows
-            if there.any():
+            if there.all():  # arrays of infos are new ones, see `SwarmBatch.info`
+                infos[name], infos[f"_{name}"] = values, there
+            elif there.any():
                 blank = np.zeros_like(values) if values.dtype != object else np.full_like(values, None)
                 blank[there] = values[there]
                 infos[name] = blank
@@ -328,8 +326,3 @@ def _simulation_on(device: str, precision: str) -> type[Simulation]:
     from swarm_gym.gpu.simulation import DeviceSimulation, SinglePrecisionSimulation
 
     return DeviceSimulation if precision == "float64" else SinglePrecisionSimulation
-
-
-def _make_generator(seed: int) -> np.random.Generator:
-    refuse_negative_seed(seed)
-    return seeding.np_random(seed)[0]

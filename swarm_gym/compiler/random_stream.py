@@ -13,6 +13,9 @@ from swarm_gym.compiler.simd import NUM_LANES, as_float, load, store
 
 STREAM_SHAPE = (4, NUM_LANES)
 
+_WORDS_OF_A_LANE = 3
+NUM_SEED_WORDS = _WORDS_OF_A_LANE * NUM_LANES
+
 _SHIFT_RIGHT = np.uint64(11)
 _SHIFT_LEFT = np.uint64(3)
 _ROTATE_LEFT = np.uint64(24)
@@ -23,19 +26,26 @@ _DISCARDED = 12  # numbers of a lane that NumPy does not use when it seeds an SF
 
 
 def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
-    """Return a stream, words of shape (4, 8): column k is the state of an `SFC64` seeded with three words.
-
-    These are words 3 k to 3 k + 2, of 64 bits, of those that the sequence generates.
-    """
-    stream = np.ones(STREAM_SHAPE, dtype=np.uint64)  # the last row counts from one
-    stream[:3] = sequence.generate_state(3 * NUM_LANES, np.uint64).reshape(NUM_LANES, 3).T
-    _discard_first(stream)
-    return stream
+    """Return a stream, words of shape (4, 8), that a seed sequence determines, see `seed_streams`."""
+    words = sequence.generate_state(NUM_SEED_WORDS, np.uint64).astype(np.uint64)
+    return seed_streams(words[None])[0]
 
 
 @entry
-def _discard_first(stream: NDArray[np.uint64]) -> None:
-    fill_uniform(stream, np.empty(_DISCARDED * NUM_LANES))
+def seed_streams(words: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return k streams, (k, 4, 8): column m of a stream is the state of an `SFC64` seeded with three words.
+
+    Args:
+        words: (k, 24) words that a seed sequence generates for each stream; 3 m to 3 m + 2 are for column m.
+    """
+    streams = np.ones((words.shape[0], 4, NUM_LANES), dtype=np.uint64)  # the last row counts from one
+    unused = np.empty(_DISCARDED * NUM_LANES)
+    for k in range(words.shape[0]):
+        for lane in range(NUM_LANES):
+            for row in range(_WORDS_OF_A_LANE):
+                streams[k, row, lane] = words[k, _WORDS_OF_A_LANE * lane + row]
+        fill_uniform(streams[k], unused)
+    return streams
 
 
 @kernel(inline="late")

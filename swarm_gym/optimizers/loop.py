@@ -20,6 +20,7 @@ from swarm_gym.population import (
     add_members,
     adopt_members,
     clear,
+    clear_workspace,
     make_workspace,
     num_staying,
     re_evaluate_members,
@@ -181,10 +182,11 @@ def step_chosen(
 
     The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
     """
+    work = make_workspace(swarms.positions.shape[2])
     for b in range(sizes.shape[0]):
         if chosen[b]:
             table = select(tables, swarms.problem[b])
-            work = make_workspace(swarms.positions.shape[2])
+            clear_workspace(work)
             own = named_row(defaults, parameters, b)
             begin_arrivals(swarms.arrivals[b], swarms.iteration[b])
             if swarms.source[b, IMMIGRANTS] > 0.0:

@@ -13,6 +13,9 @@ replaces the parent unless it is worse. lambda_m is the population size.
 On OneMax only counts matter: of l flipped bits, g were zero, which is hypergeometric, and a child takes
 Bin(g, c) of these and Bin(l - g, c) of the others. So strings need not be kept. The best of lambda_m mutants
 is drawn at once, from the power of the distribution function, and an iteration takes O(lambda_m + lambda_c).
+
+A swarm keeps the distribution of the strength for as long as its rate stays. Its field has that distribution,
+and room for other weights, so that an iteration allocates no array and counts no reference to one.
 """
 
 import math
@@ -29,12 +32,22 @@ from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, choice
 from swarm_gym.population import Swarms, Workspace, evaluate_member
 from swarm_gym.problem.onemax.table import OneMaxTable
+from swarm_gym.problem.onemax.weights import (
+    TINY,
+    fill_binomial,
+    find_sum,
+    find_weight,
+    power,
+    sum_of,
+    window_length,
+)
+from swarm_gym.problem.tables import Tables
 
 Floats = NDArray[np.float64]
 
-# Half the width of a window around a mode, in standard deviations, beyond which there is less than 1e-17; and
-# a density, relative to the density of the mode, at which a window ends.
-REACH, LEAST_REACH, TINY = 9.0, 40, 1e-18
+# Columns of a swarm's field: length and rate that the distribution of the strength is kept for, its first
+# number and how many there are; then three parts of equal length: sums of its weights, and other weights.
+_SIZE, _RATE, _FIRST, _COUNT, _SUMS = range(5)
 
 
 class OnePlusLambdaLambdaParameters(NamedTuple):
@@ -78,7 +91,7 @@ class OnePlusLambdaLambdaParameters(NamedTuple):
     ]
 
 
-@kernel
+@kernel(borrows=True)
 def iterate(
     parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
@@ -100,8 +113,9 @@ def iterate(
     crossover = min(parameters.bias / children, 1.0)
     mutants = min(mutants, left)
     fill_uniform(swarms.stream[b], work.noise)
-    flips = _draw_strength(size, mutation, work.noise[0])
-    good = _draw_best(size, size - ones, flips, mutants, work.noise[1])
+    field = swarms.field[b]
+    flips = _draw_strength(field, size, mutation, work.noise[0])
+    good = _draw_best(field, size, size - ones, flips, mutants, work.noise[1])
     gain, counted = _cross(
         swarms, b, work, good, flips - good, crossover, children, left - mutants, parameters.counting == 0.0
     )
@@ -111,25 +125,32 @@ def iterate(
     _copy_first(swarms, b)
 
 
-@kernel
-def _draw_strength(size: int, rate: float, share: float) -> int:
+@kernel(borrows=True)
+def _draw_strength(field: Floats, size: int, rate: float, share: float) -> int:
     """Return how many bits a mutant flips: Bin(n, rate), given that it is not 0, at this share in [0, 1)."""
-    weights = np.empty(_width(size * rate * (1.0 - rate), size))
-    first, count = _binomial(size, rate, weights)
-    if first == 0:
-        weights[0] = 0.0
+    sums = field[_SUMS : _SUMS + window_length(size * rate * (1.0 - rate), size)]
+    if field[_SIZE] != size or field[_RATE] != rate:
+        first, count = fill_binomial(size, rate, sums)
+        if first == 0:
+            sums[0] = 0.0
+        for k in range(1, count):
+            sums[k] += sums[k - 1]
+        field[_SIZE], field[_RATE], field[_FIRST], field[_COUNT] = size, rate, first, count
+    else:
+        first, count = int(field[_FIRST]), int(field[_COUNT])
     if count == 1:  # a rate so low that nothing but 0 is left in the window, or one of 1
         return max(first, 1)
-    return max(first + _find(weights, count, share * weights[:count].sum()), 1)
+    return max(first + find_sum(sums, count, share * sums[count - 1]), 1)
 
 
-@kernel
-def _draw_best(size: int, zeros: int, flips: int, mutants: int, share: float) -> int:
+@kernel(borrows=True)
+def _draw_best(field: Floats, size: int, zeros: int, flips: int, mutants: int, share: float) -> int:
     """Return the most zeros that one of the mutants flips, at this share in [0, 1) of its distribution."""
     lowest, highest = max(0, flips - (size - zeros)), min(flips, zeros)
     rest = size - zeros - flips
     variance = flips * (zeros / size) * (1.0 - zeros / size)
-    weights = np.empty(_width(variance, highest - lowest))
+    begin = _SUMS + _room(field)
+    weights = field[begin : begin + window_length(variance, highest - lowest)]
     mode = int((flips + 1.0) * (zeros + 1.0) / (size + 2.0))
     mode = min(max(mode, lowest), highest)
     reach, first, weight = (weights.shape[0] - 1) // 2, mode, 1.0
@@ -142,15 +163,15 @@ def _draw_best(size: int, zeros: int, flips: int, mutants: int, share: float) ->
         weight *= ((zeros - last) * float(flips - last)) / ((last + 1.0) * (rest + last + 1.0))
         last += 1
         weights[last - first] = weight
-    total, below = weights[: last - first + 1].sum(), 0.0
+    total, below = sum_of(weights, last - first + 1), 0.0
     for k in range(first, last):
         below += weights[k - first]
-        if share < _power(below / total, mutants):
+        if share < power(below / total, mutants):
             return k
     return last
 
 
-@kernel
+@kernel(borrows=True)
 def _cross(
     swarms: Swarms,
     b: int,
@@ -175,18 +196,19 @@ def _cross(
         left: evaluations that may be counted.
         copies_free: whether children that equal parent or mutant are not counted.
     """
-    of_good = np.empty(_width(good * rate * (1.0 - rate), good))
-    of_bad = np.empty(_width(bad * rate * (1.0 - rate), bad))
-    first_good, num_good = _binomial(good, rate, of_good)
-    first_bad, num_bad = _binomial(bad, rate, of_bad)
-    total_good, total_bad = of_good[:num_good].sum(), of_bad[:num_bad].sum()
+    field, begin, room = swarms.field[b], _SUMS + _room(swarms.field[b]), _room(swarms.field[b])
+    of_good = field[begin : begin + window_length(good * rate * (1.0 - rate), good)]
+    of_bad = field[begin + room : begin + room + window_length(bad * rate * (1.0 - rate), bad)]
+    first_good, num_good = fill_binomial(good, rate, of_good)
+    first_bad, num_bad = fill_binomial(bad, rate, of_bad)
+    total_good, total_bad = sum_of(of_good, num_good), sum_of(of_bad, num_bad)
     gain, counted, at = good - bad, 0, work.noise.shape[0]
     for _ in range(children):
         if at >= work.noise.shape[0]:
             fill_uniform(swarms.stream[b], work.noise)
             at = 0
-        taken = first_good + _find(of_good, num_good, work.noise[at] * total_good)
-        spoilt = first_bad + _find(of_bad, num_bad, work.noise[at + 1] * total_bad)
+        taken = first_good + find_weight(of_good, num_good, float(work.noise[at]) * total_good)
+        spoilt = first_bad + find_weight(of_bad, num_bad, float(work.noise[at + 1]) * total_bad)
         at += 2
         is_copy = taken + spoilt == 0 or (taken == good and spoilt == bad)
         if not (copies_free and is_copy):
@@ -197,62 +219,13 @@ def _cross(
     return gain, counted
 
 
-@kernel
-def _width(variance: float, most: int) -> int:
-    """Return the length of an array for the window around a mode; `most` + 1 numbers are possible."""
-    return min(2 * (int(REACH * math.sqrt(variance)) + LEAST_REACH) + 1, 2 * most + 1)
+@kernel(borrows=True)
+def _room(field: Floats) -> int:
+    """Return the length of each of the three parts of a field."""
+    return (field.shape[0] - _SUMS) // 3
 
 
-@kernel
-def _binomial(trials: int, rate: float, weights: Floats) -> tuple[int, int]:
-    """Write weights that are proportional to Bin(trials, rate) around the mode.
-
-    Returns:
-        The number that the first weight is for, and how many weights there are.
-    """
-    if rate >= 1.0 or rate <= 0.0 or trials == 0:
-        weights[0] = 1.0
-        return (trials if rate >= 1.0 else 0), 1
-    odds = rate / (1.0 - rate)
-    mode = min(int((trials + 1.0) * rate), trials)
-    reach, first, weight = (weights.shape[0] - 1) // 2, mode, 1.0
-    while first > max(0, mode - reach) and weight > TINY:
-        weight *= first / ((trials - first + 1.0) * odds)
-        first -= 1
-    # Neighbours have a fixed ratio, so that the sum does not depend on where it begins.
-    last, weight = first, max(weight, TINY * TINY)
-    weights[0] = weight
-    while last < trials and last - first < weights.shape[0] - 1 and (last < mode or weight > TINY):
-        weight *= (trials - last) / (last + 1.0) * odds
-        last += 1
-        weights[last - first] = weight
-    return first, last - first + 1
-
-
-@kernel
-def _find(weights: Floats, count: int, share: float) -> int:
-    """Return the first index at which the sum of the first weights exceeds a share of their total."""
-    below = 0.0
-    for k in range(count - 1):
-        below += weights[k]
-        if share < below:
-            return k
-    return count - 1
-
-
-@kernel
-def _power(base: float, exponent: int) -> float:
-    """Return a power by squaring, which has the same bits on every processor."""
-    result = 1.0
-    while exponent > 0:
-        if exponent & 1:
-            result *= base
-        base *= base
-        exponent >>= 1
-    return result
-
-
-@kernel
+@kernel(borrows=True)
 def _copy_first(swarms: Swarms, b: int) -> None:
     """Let all members of swarm `b` be the parent, which is the only string that is kept."""
     for i in range(1, swarms.size[b]):
@@ -261,7 +234,7 @@ def _copy_first(swarms: Swarms, b: int) -> None:
         swarms.collision[b, i] = 0.0
 
 
-@kernel
+@kernel(borrows=True)
 def begin(
     _parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
@@ -277,7 +250,7 @@ def begin(
     _copy_first(swarms, b)
 
 
-@kernel
+@kernel(borrows=True)
 def change_size(
     _parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
@@ -310,3 +283,9 @@ class OnePlusLambdaLambda(Optimizer):
         "reward": "runtime",
     }
     kernels = loop.Kernels(iterate, begin=begin, change_size=change_size)
+
+    @staticmethod
+    def field_size(tables: Tables) -> int:
+        """Return how many numbers a swarm keeps for its distributions, of the longest of these strings."""
+        assert isinstance(tables, OneMaxTable)
+        return _SUMS + 3 * max(window_length(size / 4.0, size) for size in np.ravel(tables.size).tolist())

@@ -440,8 +440,11 @@ def state_of(env):
     """Return all that the next steps depend on: populations, histories and random generators."""
     inner = env.simulation
     own = {name: value for name, value in vars(inner).items() if isinstance(value, np.ndarray)}
-    drawn = getattr(env, "_generators", None) or [env.np_random]
-    return pickle.dumps((tuple(inner.swarms), own, [generator.bit_generator.state for generator in drawn]))
+    seeds = {} if isinstance(env, SwarmEnv) else vars(env._seeds)
+    generators = seeds.get("_generators", [env.np_random])
+    ahead = [value for value in seeds.values() if isinstance(value, np.ndarray)]
+    drawn = [generator.bit_generator.state for generator in generators]
+    return pickle.dumps((tuple(inner.swarms), own, drawn, ahead))
 
 
 @pytest.fixture(scope="module", params=MAKE)

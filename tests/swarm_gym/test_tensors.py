@@ -13,6 +13,7 @@ from helpers.tensors import Follower, Questions, TensorSimulation
 from swarm_gym.action import ACTIONS
 from swarm_gym.arrays import Constant, applied, tensors, with_columns
 from swarm_gym.batch import SwarmBatch
+from swarm_gym.episode_seeds import draw_seeds
 from swarm_gym.errors import ActionError, MissingExtraError, SettingError, StepOrderError
 from swarm_gym.reward import NEED_ROBOTS
 from swarm_gym.scenarios import Appear, Circle, DynamicScenario, Polygon, make_scenario
@@ -48,15 +49,16 @@ def pair(optimizer="firefly", **options):
     return ours, theirs
 
 
-def generators():
-    return [np.random.default_rng(seed) for seed in range(NUM_SWARMS)]
+def seeds(chosen=EVERYONE):
+    """Return the seeds of episodes of the chosen swarms, (k, 8)."""
+    return np.vstack([draw_seeds(np.random.default_rng(row), 1) for row in np.flatnonzero(chosen)])
 
 
 def begin(ours, theirs, chosen=None):
     """Begin episodes of equal seeds in both batches."""
     chosen = EVERYONE if chosen is None else chosen
-    ours.reset(torch.from_numpy(chosen), generators(), None)
-    theirs.reset(chosen, generators(), None)
+    ours.reset(torch.from_numpy(chosen), seeds(chosen), None)
+    theirs.reset(chosen, seeds(chosen), None)
 
 
 def actions_of(batch, rng, rows=NUM_SWARMS):
@@ -181,7 +183,7 @@ def test_first_populations_may_be_given():
     population = np.random.default_rng(2).uniform(-50.0, 50.0, (5, 9))
     everyone = EVERYONE
     for batch in (ours, theirs):
-        batch.reset(everyone, generators(), {"initial_population": population})
+        batch.reset(everyone, seeds(), {"initial_population": population})
         for row in range(NUM_SWARMS):
             np.testing.assert_array_equal(batch.simulation.positions(row), population)
     assert_same_state(ours, theirs)
@@ -241,7 +243,7 @@ def test_integers_and_single_precision_are_actions_on_tensors_too():
     everyone = torch.from_numpy(EVERYONE)
     for dtype in (torch.int32, torch.float32):
         ours, _ = pair()
-        ours.reset(everyone, generators(), None)
+        ours.reset(everyone, seeds(), None)
         ours.step(everyone, torch.tensor([[7, 1]] * NUM_SWARMS, dtype=dtype))
         assert ours.simulation.swarms.size.tolist() == [7] * NUM_SWARMS
 
@@ -296,7 +298,7 @@ def test_what_tensors_cannot_do_is_refused():
 def test_a_copy_of_a_batch_goes_its_own_way():
     for kind, everyone in ((TensorSimulation, torch.from_numpy(EVERYONE)), (Simulation, EVERYONE)):
         batch = SwarmBatch("firefly", OPTIONS, NUM_SWARMS, 1, simulation_class=kind)
-        batch.reset(everyone, generators(), None)
+        batch.reset(everyone, seeds(), None)
         twin = copy.deepcopy(batch)
         twin.step(everyone, np.tile([5.0, 0.5], (NUM_SWARMS, 1)))
         assert twin.simulation.iteration.tolist() == [1] * NUM_SWARMS

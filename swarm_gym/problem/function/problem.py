@@ -65,5 +65,6 @@ class FunctionProblem(Problem):
     def points(self, vectors: ArrayLike) -> Floats:
         """Return decision vectors (..., D) in parallel coordinates, (..., D, 2): number from 1, and value."""
         values = np.asarray(vectors, dtype=np.float64)
-        numbers = np.broadcast_to(np.arange(1.0, self.dimension + 1), values.shape)
-        return np.stack([numbers, values], axis=-1)
+        points = np.empty((*values.shape, 2))
+        points[..., 0], points[..., 1] = np.arange(1.0, self.dimension + 1), values
+        return points

@@ -11,9 +11,9 @@ from gymnasium.utils.seeding import np_random
 from experiments.playground.exported import POLICY, SCHEDULE, export
 from experiments.playground.playground_page import engine
 from helpers.browsers import chromium
+from helpers.episode_seeds import episode_seed
 from helpers.slow import slow_but
 from oracles.naive import Stream
-from swarm_gym.batch import episode_seed
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv

@@ -7,7 +7,7 @@ import pytest
 
 from agents import SizeLimits, make_controller
 from helpers.compiled import compiled
-from swarm_gym.batch import episode_seed
+from helpers.episode_seeds import episode_seed
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.env import SwarmEnv

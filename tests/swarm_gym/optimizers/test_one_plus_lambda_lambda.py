@@ -226,3 +226,45 @@ def test_an_unknown_counting_or_a_parameter_out_of_range_is_refused():
         with pytest.raises(SettingError, match=name):
             SwarmEnv(OPTIMIZER, **{name: value})
     SwarmEnv(OPTIMIZER, counting="all", children=3, strength=0.5, bias=2.0)
+
+
+# The distribution that a swarm keeps.
+
+
+def _course(size, decisions, change):
+    """Return the record of a run on a string; `change` is called with the field before each step."""
+    env = bit_env(1, f"onemax:{size}", max_population_size=100)
+    env.reset(seed=4)
+    for decision in decisions:
+        change(env.simulation.swarms.field)
+        if env.simulation.running.all():
+            env.step_running(as_actions([decision]))
+    simulation = env.simulation
+    record = simulation.history[0, : simulation.iteration[0] + 1]
+    assert len(record) > 5
+    return record.tolist(), simulation.swarms.stream.tolist()
+
+
+@pytest.mark.parametrize("size", [10, 1000, 100_000])
+def test_a_kept_distribution_has_the_bits_of_one_that_is_computed_again(size):
+    rng = np.random.default_rng(size)
+    widest = Choice(100, 4, min(size / 200.0, 32.0), 2.0)  # flips half of the bits, if it can
+    others = (Choice(7, 3, 0.5, 1.5), Choice(64, 20, 8.0, 3.0), Choice(1, 1, 1e-3))
+    choices = (paired(1), paired(2), widest, *others)
+    decisions = [choices[k] for k in np.repeat(rng.integers(len(choices), size=40), 2)]
+    kept = _course(size, decisions, lambda field: None)
+    assert kept == _course(size, decisions, lambda field: field.fill(0.0))
+    assert kept == _course(size, decisions, lambda field: field.fill(np.nan))
+
+
+def test_a_swarm_of_another_length_does_not_take_over_what_it_kept():
+    names = ["onemax:20", "onemax:40"]
+    together = SwarmEnv(OPTIMIZER, scenario=names)
+    for seed in range(6):
+        for name in names:
+            together.reset(seed=seed, options={"scenario": name})
+            alone = SwarmEnv(OPTIMIZER, scenario=name)
+            alone.reset(seed=seed)
+            for _ in range(3):
+                found, expected = (env.step(np.array([2.0, 0.0]))[0].tolist() for env in (together, alone))
+                assert found == expected
