@@ -40,6 +40,7 @@ TUNED = {
     L_SHADE: {"lshade-constant": "constant tuned", "lshade-schedule": "schedule tuned"},
 }
 LIKE = {CMA_ES: "cma-search-longer", L_SHADE: "lshade-search"}
+EARLY_RESTARTS = "CMA-ES, early restarts"  # a rule with a size of its own
 # Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
 FIRST_SIZE, LAST_SIZE = 180, 4
 REDUCTIONS = (
@@ -74,7 +75,7 @@ def entrants() -> list[Entrant]:
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
         *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in RULES),
         *_tuned("CMA-ES", CMA_ES),
-        Entrant("CMA-ES, early restarts", CMA_ES, ("early-restarts",)),
+        Entrant(EARLY_RESTARTS, CMA_ES, ("early-restarts",)),
         *_learned("CMA-ES", CMA_ES),
         Entrant(
             "L-SHADE, linear",
@@ -113,14 +114,14 @@ def _learned(name: str, optimizer: str) -> list[Entrant]:
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have the longest trainings
-    blinded. Other dimensions have the default size, the tuned rivals and the policies alone.
+    Sizes of L-SHADE and of early restarts here are for ten dimensions. The compared dimensions also have the
+    longest trainings blinded. Others have the default size, the tuned rivals and the policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
     for one in entrants():
         (first, *_) = one.controllers
-        if one.optimizer == CMA_ES:
+        if one.optimizer == CMA_ES and one.name != EARLY_RESTARTS:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
     policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
