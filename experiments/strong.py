@@ -63,7 +63,11 @@ def write(config: StrongConfig) -> list[Path]:
     write_record(record_of("strong-optimizers", commits, digests_of_strong()), config.output)
     for table in made:
         table.write(config.output)
-    policies = {one.name: choose(one, config.output / "sizes") for one in chosen if one.limits is None}
+    policies = {
+        one.name: choose(one, config.output / "sizes")
+        for one in chosen
+        if one.limits is None and one.optimizer == CMA_ES
+    }
     if policies:
         with settings():
             write_figure(draw_decisions(policies), config.output, "decisions")

@@ -30,6 +30,11 @@ Floats = NDArray[np.float64]
 
 GENERATIONS = 10  # generations over which shares and gains are measured
 LONGEST_WAIT = 63  # generations since the best improved; longer ones are seen as this one
+STEP_DECADES = 6.0  # decades of the step size, relative to the first one, that a 1 stands for
+# Names of the features by which the rule `early-restarts` decides.
+LOG_STEP = "log10(step size / first step size) / 6"
+SPENT = "share of the evaluation budget spent"
+WAIT = f"log(1 + generations since the best improved), relative to that of {LONGEST_WAIT}"
 
 
 def can_search(simulation: Simulation) -> bool:
@@ -67,7 +72,7 @@ def _log_step(simulation: Simulation) -> Floats:
     """Return (B,) log10(step size / first one) / 6."""
     first = simulation.parameters[:, list(simulation.optimizer.parameters).index("first_step")]
     step = simulation.swarms.field[:, cma.STEP_SIZE]
-    return np.clip(log(np.where(step > 0.0, step / first, 1.0)) / (6.0 * LOG_TEN), -2.5, 1.0)
+    return np.clip(log(np.where(step > 0.0, step / first, 1.0)) / (STEP_DECADES * LOG_TEN), -2.5, 1.0)
 
 
 @cache
@@ -114,7 +119,12 @@ def _wait(simulation: Simulation) -> Floats:
     improved = best[:, :-1] < best[:, 1:]
     none = np.minimum(simulation.iteration, LONGEST_WAIT)
     since = np.where(improved.any(axis=1), improved.argmax(axis=1), none)
-    return log1p(since.astype(np.float64)) / float(log1p(LONGEST_WAIT))
+    return scaled_wait(since.astype(np.float64))
+
+
+def scaled_wait(generations: Floats | float) -> Floats:
+    """Return generations since the best improved as they are observed: 1 is the longest wait."""
+    return log1p(generations) / float(log1p(LONGEST_WAIT))
 
 
 def _medians(simulation: Simulation) -> tuple[Floats, NDArray[np.int64]]:
@@ -178,7 +188,7 @@ def _feature(
 
 # The fourth is the iteration, as in other layouts.
 SEARCH = (
-    _feature("log10(step size / first step size) / 6", _of_cma(_log_step), -2.5),
+    _feature(LOG_STEP, _of_cma(_log_step), -2.5),
     _feature("log factor of the step size in the last generation", _of_cma(_step_trend), -1.0),
     _feature("log10(condition number of the covariance) / 7", _of_cma(_log_condition), high=2.0),
     SCALED[3],
@@ -190,8 +200,8 @@ SEARCH = (
         _gain_per_spread,
         -1.0,
     ),
-    _feature(f"log(1 + generations since the best improved), relative to that of {LONGEST_WAIT}", _wait),
-    _feature("share of the evaluation budget spent", spent_share),
+    _feature(WAIT, _wait),
+    _feature(SPENT, spent_share),
     _feature("log population size, relative to that of the largest", log_size),
     _feature("mean scale factor in the memory", _of_evolution(MEAN_FACTOR)),
     _feature("mean crossover rate in the memory", _of_evolution(MEAN_CROSSOVER)),

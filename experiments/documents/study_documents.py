@@ -37,11 +37,11 @@ ONE_MAX = (
     "PPO with normal noise, from scratch, 5 seeds", "CMA-ES over the share of zeros", "DDQN, published",
     "theory", "one-fifth rule", "best schedule over iterations, simulated", "best constant lambda",
 )  # fmt: skip
-# Constants of CMA-ES around the best one, restarts, policies, and two rules of L-SHADE.
+# Constants of CMA-ES around the best one, restarts, policies; L-SHADE with rules, tuned and learned.
 STRONG = (
-    "CMA-ES, lambda 20", "CMA-ES, lambda 40", "CMA-ES, lambda 80", "CMA-ES, BIPOP", "CMA-ES, PSA",
-    "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, learned, evolution",
-    "CMA-ES, learned, evolution, longer", "L-SHADE, nlpsr",
+    "CMA-ES, lambda 20", "CMA-ES, BIPOP", "CMA-ES, constant tuned", "CMA-ES, early restarts",
+    "CMA-ES, learned, evolution, longer", "L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, constant tuned",
+    "L-SHADE, schedule tuned", "L-SHADE, learned, evolution",
 )  # fmt: skip
 # CMA-ES on BBOB: sizes, restarts, what was tuned, and policies with one that is blinded.
 ON_BBOB = (

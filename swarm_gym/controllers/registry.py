@@ -12,6 +12,7 @@ from typing import cast
 from swarm_gym.controllers import onemax_rules, onemax_schedules
 from swarm_gym.controllers.controller import Controller, SizeLimits, require_trial
 from swarm_gym.controllers.distilled import load_rule
+from swarm_gym.controllers.early_restarts import EarlyRestarts
 from swarm_gym.controllers.fixed import Fixed, Random
 from swarm_gym.controllers.immigrants import Periodic, Reaction, Restart
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController
@@ -148,6 +149,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "ipop": IncreasingSize.from_argument,
     "bipop": TwoRegimes.from_argument,
     "psa": MovementSize.from_argument,
+    "early-restarts": EarlyRestarts.from_argument,
     "restart": Restart.from_argument,
     "periodic": Periodic.from_argument,
     "reaction": Reaction.from_argument,

@@ -134,3 +134,15 @@ REACTION = _rule_of_immigrants(
     {"jump": 0.5, "duration": 3, "hypermutation": 1.0},
     {"jump": Span(0.01, 4.0), "duration": Span(1, 20, integer=True), "hypermutation": Span(1.0, 50.0)},
 )
+# Of CMA-ES; the first values are of a short search by hand on the functions that MetaBox trains on.
+EARLY_RESTARTS = ParameterSpace(
+    "early-restarts",
+    {"start": 42, "later": 10, "short": 0.35, "wait": 63, "step": 0.03},
+    {
+        "start": Span(6, 200, size=True),
+        "later": Span(4, 200, size=True),
+        "short": Span(0.1, 0.7, logarithmic=False),
+        "wait": Span(5, 63, integer=True),
+        "step": Span(1e-5, 0.5),
+    },
+)

@@ -11,6 +11,7 @@ from swarm_gym.tuning.config import TuneConfig
 from swarm_gym.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
 from swarm_gym.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
+    EARLY_RESTARTS,
     LINEAR_REDUCTION,
     NON_LINEAR_REDUCTION,
     PERIODIC,
@@ -64,6 +65,7 @@ TUNERS: dict[str, ControllerKind] = {
     "linear-reduction": _parameters(LINEAR_REDUCTION),
     "nlpsr": _parameters(NON_LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
+    "early-restarts": _parameters(EARLY_RESTARTS),
     "restart": _parameters(RESTART),
     "periodic": _parameters(PERIODIC),
     "reaction": _parameters(REACTION),

@@ -17,11 +17,14 @@ from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
 CONSTANTS = (10, 20, 40, 80, 160)
 RULES = ("ipop", "bipop", "psa")  # begin with the default size in ten dimensions
-# Recipes of the policies, and how the tables call them.
+# Recipes of the policies of each optimizer, and how the tables call them.
 RECIPES = {
-    "cma-search": "learned, evolution",
-    "cma-search-longer": "learned, evolution, longer",
-    "cma-search-ppo": "learned, PPO",
+    CMA_ES: {
+        "cma-search": "learned, evolution",
+        "cma-search-longer": "learned, evolution, longer",
+        "cma-search-ppo": "learned, PPO",
+    },
+    L_SHADE: {"lshade-search": "learned, evolution"},
 }
 LONGEST = "cma-search-longer"
 # Iterations of the episodes of each recipe: the budget at its smallest size.
@@ -29,9 +32,15 @@ ITERATIONS = {
     "cma-search": EVALUATIONS // 16,
     "cma-search-longer": EVALUATIONS // 10,
     "cma-search-ppo": EVALUATIONS // 16,
+    "lshade-search": EVALUATIONS // 8,
 }
-# Rivals that were tuned on the functions for training, with the objective of `cma-search-longer`.
-TUNED = {"cma-constant": "constant tuned", "cma-schedule": "schedule tuned"}
+# Rivals that were tuned on the functions for training, with the objective and the iterations of a recipe.
+TUNED = {
+    CMA_ES: {"cma-constant": "constant tuned", "cma-schedule": "schedule tuned"},
+    L_SHADE: {"lshade-constant": "constant tuned", "lshade-schedule": "schedule tuned"},
+}
+LIKE = {CMA_ES: "cma-search-longer", L_SHADE: "lshade-search"}
+EARLY_RESTARTS = "CMA-ES, early restarts"  # a rule with a size of its own
 # Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
 FIRST_SIZE, LAST_SIZE = 180, 4
 REDUCTIONS = (
@@ -60,22 +69,14 @@ class Entrant(NamedTuple):
 
 
 def entrants() -> list[Entrant]:
-    """Return all rows: constants, rules and the policies that are there, for both optimizers."""
+    """Return all rows: constants, rules, what was tuned, and the policies there are, for both optimizers."""
     wide = SizeLimits(2, 2000)
     return [
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
         *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in RULES),
-        *(
-            Entrant(
-                f"CMA-ES, {label}", CMA_ES, (f"open-loop:{name}",), LIMITS, ITERATIONS["cma-search-longer"]
-            )
-            for name, label in TUNED.items()
-        ),
-        *(
-            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, ITERATIONS[recipe])
-            for recipe, label in RECIPES.items()
-            if (policies := packaged_seeds(recipe))
-        ),
+        *_tuned("CMA-ES", CMA_ES),
+        Entrant(EARLY_RESTARTS, CMA_ES, ("early-restarts",)),
+        *_learned("CMA-ES", CMA_ES),
         Entrant(
             "L-SHADE, linear",
             L_SHADE,
@@ -87,24 +88,44 @@ def entrants() -> list[Entrant]:
             "L-SHADE, nlpsr", L_SHADE, (_reduction("nlpsr"),), LIMITS, _iterations_of(NonLinearReduction)
         ),
         Entrant("L-SHADE, N = 100", L_SHADE, ("fixed:100",)),
+        *_tuned("L-SHADE", L_SHADE),
+        *_learned("L-SHADE", L_SHADE),
+    ]
+
+
+def _tuned(name: str, optimizer: str) -> list[Entrant]:
+    """Return the rows of the tuned rivals of an optimizer."""
+    iterations = ITERATIONS[LIKE[optimizer]]
+    return [
+        Entrant(f"{name}, {label}", optimizer, (f"open-loop:{file}",), LIMITS, iterations)
+        for file, label in TUNED[optimizer].items()
+    ]
+
+
+def _learned(name: str, optimizer: str) -> list[Entrant]:
+    """Return the rows of the policies of an optimizer, as far as there are any."""
+    return [
+        Entrant(f"{name}, {label}", optimizer, policies, None, ITERATIONS[recipe])
+        for recipe, label in RECIPES[optimizer].items()
+        if (policies := packaged_seeds(recipe))
     ]
 
 
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have the longest trainings
-    blinded. Other dimensions have the default size, the tuned rivals and the policies alone.
+    Sizes of L-SHADE and of early restarts here are for ten dimensions. The compared dimensions also have the
+    longest trainings blinded. Others have the default size, the tuned rivals and the policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
     for one in entrants():
         (first, *_) = one.controllers
-        if one.optimizer == CMA_ES:
+        if one.optimizer == CMA_ES and one.name != EARLY_RESTARTS:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
     policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        return rows + [_blinded(one) for one in policies if one.name == f"CMA-ES, {RECIPES[LONGEST]}"]
+        return rows + [_blinded(one) for one in policies if one.name == f"CMA-ES, {RECIPES[CMA_ES][LONGEST]}"]
     return [one for one in rows if one.controllers[0].startswith("open-loop") or one in (rows[0], *policies)]
 
 

@@ -136,8 +136,8 @@ def test_policies_that_ship_are_in_a_suite():
     assert {f"learned:{name}" for name in (*policies_on_maps(), *policies_of_wishes())} == learned
     # A reacting loop is an open loop that begins again.
     loops = {name.replace("reacting-loop:", "open-loop:") for name in run}
-    # Loops over terrain and of CMA-ES are rows of `experiments.terrain` and of `experiments.strong`.
-    others = ("terrain-", *TUNED)
+    # Loops over terrain, of CMA-ES and of L-SHADE are rows of `experiments.terrain` and `experiments.strong`.
+    others = ("terrain-", *(name for tuned in TUNED.values() for name in tuned))
     on_maps = {f"open-loop:{name}" for name in packaged_open_loops() if not name.startswith(others)}
     assert on_maps <= loops
 

@@ -26,11 +26,14 @@ def row(gap, seeds=1):
 def test_rows_are_constants_rules_and_policies_of_both_optimizers():
     names = [entrant.name for entrant in entrants()]
     assert len(set(names)) == len(names)
-    assert names[:10] == [
+    assert names[:11] == [
         *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP",
-        "CMA-ES, PSA", "CMA-ES, constant tuned", "CMA-ES, schedule tuned",
+        "CMA-ES, PSA", "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, early restarts",
     ]  # fmt: skip
-    assert names[-3:] == ["L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100"]
+    assert names[-6:] == [
+        "L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100", "L-SHADE, constant tuned",
+        "L-SHADE, schedule tuned", "L-SHADE, learned, evolution",
+    ]  # fmt: skip
 
 
 def test_reductions_end_with_the_budget():
@@ -68,7 +71,7 @@ def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
 def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimension(tmp_path, monkeypatch):
     rows = {one.name: one.controllers for one in entrants_on_bbob(20)}
     assert [name for name in rows if "blinded" in name] == ["CMA-ES, learned, evolution, longer, blinded"]
-    assert not any("L-SHADE" in name for name in rows)
+    assert not any("L-SHADE" in name or "early restarts" in name for name in rows)
     others = {one.name for one in entrants_on_bbob(40)}
     assert {"CMA-ES, default lambda", CONSTANT, SCHEDULE, "CMA-ES, learned, PPO"} <= others
     assert not any("blinded" in name or "BIPOP" in name for name in others)
@@ -145,7 +148,11 @@ def test_the_short_table_counts_functions_and_means():
     ahead = np.where(best > 0.0, 0.5 ** np.ceil(1.0 - np.log2(np.maximum(best, 1e-9))), 0.0)
     behind = np.where(np.arange(len(FUNCTIONS)) < 4, ahead, 2.0 * best + 1.0)
     short, by_function = tables(
-        {"CMA-ES, lambda 10": row(ahead), "CMA-ES, IPOP": row(behind), "CMA-ES, learned, PPO": row(ahead, 2)}
+        {
+            "CMA-ES, lambda 10": row(ahead),
+            "CMA-ES, IPOP": row(behind),
+            "L-SHADE, learned, evolution": row(ahead, 2),
+        }
     )
     counts = [float(line[2].numbers["value"]) for line in short.rows]
     assert counts == [16.0, 4.0, 16.0]
@@ -156,7 +163,7 @@ def test_the_short_table_counts_functions_and_means():
     assert short.rows[1][5].numbers["value"] == pytest.approx(expected + 1.0)
     # All runs of a function are equal, and functions are given: the interval has no width.
     assert short.rows[1][4].numbers["low"] == pytest.approx(expected)
-    assert by_function.columns[2:] == ("CMA-ES, lambda 10", "CMA-ES, learned, PPO")
+    assert by_function.columns[2:] == ("CMA-ES, lambda 10", "L-SHADE, learned, evolution")
 
 
 def test_the_gap_of_a_function_is_over_all_runs_and_training_seeds():
