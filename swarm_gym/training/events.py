@@ -1,4 +1,4 @@
-"""What a training run shows: a bar on the terminal, and TensorBoard events.
+"""The bar of a training run on the terminal, and its TensorBoard events.
 
 The bar moves at least every second: also within a chunk, and while the run validates. Events are scalars,
 pictures of each validation, and hyperparameters.

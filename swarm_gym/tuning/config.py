@@ -1,4 +1,4 @@
-"""What a tuning run rests on: its options, and the interface of its tuner.
+"""The options of a tuning run, and the interface of its tuner.
 
 The command line is made from the options. A run advances its tuner in rounds, and can stop between them.
 """
