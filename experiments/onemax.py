@@ -14,7 +14,7 @@ from experiments.documents.records import record_of, write_record
 from experiments.studies.onemax.pictures import write_pictures
 from experiments.studies.onemax.share_schedules import ship
 from experiments.studies.onemax.speed import speed
-from experiments.studies.onemax.tables_of_runtimes import tables
+from experiments.studies.onemax.tables import tables
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.provenance import git_commit

@@ -15,7 +15,7 @@ from experiments.runs.configuration import identities
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import group_controllers
 from experiments.studies.controllers import packaged_seeds
-from experiments.studies.onemax.tables_of_runtimes import FOUR, LAMBDA, NORMAL
+from experiments.studies.onemax.tables import FOUR, LAMBDA, NORMAL
 from experiments.studies.strong.entrants import entrants
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import make_controller

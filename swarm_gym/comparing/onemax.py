@@ -13,7 +13,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.one_plus_lambda_lambda import OnePlusLambdaLambdaParameters
 from swarm_gym.reference.onemax.adaptive import ladder_runtimes
-from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions, expected_runtimes
 from swarm_gym.rollout import swarms_for
 from swarm_gym.scenarios.onemax import OneMaxScenario
 
@@ -44,7 +44,7 @@ def expected_runtime(
     return float(later[begin]) + 1.0
 
 
-def decisions_on(controller: Controller, size: int) -> Decisions:
+def decisions_on(controller: Controller, size: int) -> LambdaDecisions:
     """Return what a controller decides for every number of ones, in the environment that it needs.
 
     Raises:
@@ -87,4 +87,4 @@ def decisions_on(controller: Controller, size: int) -> Decisions:
         found = np.stack([decided.sizes, children, parameters.strength, parameters.bias])
         columns = np.concatenate([columns, found], axis=1)
     mutants, children, strength, bias = columns[:, :size]
-    return Decisions(mutants.astype(np.int64), children.astype(np.int64), strength.copy(), bias.copy())
+    return LambdaDecisions(mutants.astype(np.int64), children.astype(np.int64), strength.copy(), bias.copy())

@@ -27,7 +27,7 @@ from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.onemax.adaptive import Ladder
-from swarm_gym.reference.onemax.optima import CHOICES, Decisions, packaged
+from swarm_gym.reference.onemax.optima import CHOICES, LambdaDecisions, packaged
 
 Floats = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ class OneFifth(OneMaxRule):
         numbers = whole.astype(np.int64)
         ends = np.maximum(reach * np.sqrt(size / (size - np.arange(size))), 1.0)
         last = np.searchsorted(values, ends, side="right") - 1
-        return Ladder(Decisions(numbers, numbers, values / whole, np.ones(len(whole))), last, self.fall)
+        return Ladder(LambdaDecisions(numbers, numbers, values / whole, np.ones(len(whole))), last, self.fall)
 
 
 @dataclass
@@ -217,7 +217,7 @@ class Optimal(OneMaxRule):
         decided = np.empty((4, len(ones)))
         for length in np.unique(lengths).tolist():
             here = lengths == length
-            found: Decisions = packaged(int(length), self.choices).decisions
+            found: LambdaDecisions = packaged(int(length), self.choices).decisions
             columns = (found.mutants, found.children, found.strength, found.bias)
             decided[:, here] = [column[ones[here].astype(int)] for column in columns]
         return tuple(decided)

@@ -41,8 +41,7 @@ from swarm_gym.scenarios.registry import (
     sample_names,
 )
 from swarm_gym.scenarios.scenario import Scenario
-from swarm_gym.scenarios.terrain.scenario import TerrainScenario
-from swarm_gym.scenarios.terrain.shade import hill_shade
+from swarm_gym.scenarios.terrain.scenario import TerrainScenario, hill_shade
 
 __all__ = [
     "FAMILIES",

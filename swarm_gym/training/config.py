@@ -26,7 +26,11 @@ from swarm_gym.training.algorithms import (
     refuse_foreign,
 )
 from swarm_gym.training.own_names import refuse_own_code
-from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
+
+# The paired reward: the policy's final result relative to a reference controller's from the same start, see
+# `swarm_gym.wrappers.paired_reward`; and the reward of the environments from which it is computed.
+PAIRED = "paired"
+ENV_REWARD = "final-gap"
 
 # Options that exist on some kinds of scenarios only.
 _OF_SOME_KINDS = ("encoding", "distance_weight", "ground_weight", "curvature_weight", "cost", "source")

@@ -1,23 +1,80 @@
-"""TensorBoard events of a training run: scalars, pictures of each validation, hyperparameters."""
+"""The bar of a training run on the terminal, and its TensorBoard events.
+
+The bar moves at least every second: also within a chunk, and while the run validates. Events are scalars,
+pictures of each validation, and hyperparameters.
+"""
 
 import json
 import os
 import sys
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 from torch.utils.tensorboard import SummaryWriter
 from torch.utils.tensorboard.summary import hparams
+from tqdm import tqdm
 
 from swarm_gym.rollout import Episodes
 from swarm_gym.training.pictures import draw_decisions
 
 FILES = "events.out.tfevents.*"
+PERIOD = 0.5  # seconds between two looks at the number of steps
 MOST_WAIT = 10  # seconds to wait if the clock was set back a little
+
+
+class Progress:
+    """A bar of environment steps, which a thread moves while the training goes on.
+
+    Args:
+        name: name of the run, which the bar shows.
+        total: number of steps of the training.
+        count: function that returns the number of steps so far; another thread calls it.
+    """
+
+    def __init__(self, name: str, total: int, count: Callable[[], int]):
+        self._name, self._count = name, count
+        self._bar = tqdm(total=total, initial=count(), unit="step", desc=name)
+        self._ends = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ends.set()
+        self._thread.join()
+        self._move()
+        self._bar.close()
+
+    @contextmanager
+    def during(self, phase: str) -> Iterator[None]:
+        """Name a phase in which no steps are counted, such as a validation, after the name of the run."""
+        self._bar.set_description(f"{self._name}, {phase}")
+        yield
+        self._bar.set_description(self._name)
+
+    def show(self, **results: float) -> None:
+        """Show results behind the bar, by name."""
+        self._bar.set_postfix({name: f"{value:.3f}" for name, value in results.items()})
+
+    def _watch(self) -> None:
+        while not self._ends.wait(PERIOD):
+            self._move()
+
+    def _move(self) -> None:
+        # Steps of demonstrations are counted first, and then taken back.
+        self._bar.n = max(self._bar.n, self._count())
+        self._bar.refresh()
 
 
 class TrainingEvents:

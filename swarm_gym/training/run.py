@@ -21,13 +21,11 @@ from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import VALIDATION, training_seed
 from swarm_gym.simulation import Simulation
 from swarm_gym.training.algorithms import foreign_options
-from swarm_gym.training.config import EnvOptions, TrainConfig
-from swarm_gym.training.events import TrainingEvents
+from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
+from swarm_gym.training.events import Progress, TrainingEvents
 from swarm_gym.training.learners import make_learner
 from swarm_gym.training.learners.environments import first_population, make_base, reference_controller
-from swarm_gym.training.paired_reward import PAIRED
 from swarm_gym.training.pictures import make_replay_strip
-from swarm_gym.training.progress import Progress
 
 # Options that do not change the results of a run; in addition, a resumed run may be longer.
 _LOCATION = ("runs", "name", "resume", "threads")

@@ -20,10 +20,9 @@ from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.controllers.reacting_loop import ReactingLoop
 from swarm_gym.runs.checkpoints import Checkpoints, load_strategy, strategy_state
 from swarm_gym.runs.seeds import training_seed
-from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.config import TuneConfig, Tuner
 from swarm_gym.tuning.knots import KnotSpace
 from swarm_gym.tuning.side_by_side import SideBySide
-from swarm_gym.tuning.tuner import Tuner
 
 
 class OpenLoopTuner(Tuner):

@@ -25,10 +25,9 @@ from swarm_gym.controllers.parameters import Number, format_parameters
 from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.runs.seeds import training_seed
-from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.config import TuneConfig, Tuner
 from swarm_gym.tuning.parameter_spaces import ParameterSpace, Span
 from swarm_gym.tuning.side_by_side import SideBySide
-from swarm_gym.tuning.tuner import Tuner
 
 DIGITS = 4  # significant digits of a parameter; 48 noisy episodes do not justify more
 

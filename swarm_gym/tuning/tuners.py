@@ -7,7 +7,7 @@ from typing import Any
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import SettingError
-from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.config import TuneConfig, Tuner
 from swarm_gym.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
 from swarm_gym.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
@@ -22,7 +22,6 @@ from swarm_gym.tuning.parameter_spaces import (
     ParameterSpace,
 )
 from swarm_gym.tuning.study import ParameterTuner
-from swarm_gym.tuning.tuner import Tuner
 
 # Options that only some kinds have.
 SPECIAL = (

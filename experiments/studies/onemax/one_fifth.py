@@ -18,7 +18,7 @@ from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry
 from swarm_gym.controllers.onemax_rules import OneFifth
 from swarm_gym.reference.onemax.adaptive import ladder_runtimes
-from swarm_gym.reference.onemax.runtimes import Decisions
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions
 
 SIZES = (100, 200, 500, 1000)
 
@@ -62,7 +62,7 @@ def expected_of_reading(reading: Reading, size: int) -> float:
     ladder = OneFifth().ladder(size)
     sizes = ladder.rungs.mutants * ladder.rungs.strength
     mutants, children = reading.mutants(sizes), reading.children(sizes)
-    rungs = Decisions(
+    rungs = LambdaDecisions(
         mutants.astype(np.int64),
         children.astype(np.int64),
         reading.strength(sizes) / mutants,

@@ -12,7 +12,7 @@ from swarm_gym.comparing.onemax import decisions_on
 from swarm_gym.controllers import make_controller
 from swarm_gym.files import write_atomically
 from swarm_gym.reference.onemax.optima import packaged
-from swarm_gym.reference.onemax.runtimes import Decisions
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions
 
 SIZE = 500
 
@@ -61,5 +61,5 @@ def _label(axes: Axes, what: str, title: str) -> None:
     axes.legend(fontsize=8)
 
 
-def _of(name: str) -> Decisions:
+def _of(name: str) -> LambdaDecisions:
     return decisions_on(make_controller(name), SIZE)

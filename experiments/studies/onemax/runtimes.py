@@ -13,7 +13,7 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.onemax_rules import OPTIMIZER
 from swarm_gym.reference.onemax.optima import CHOICES, is_packaged, packaged
-from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions, expected_runtimes
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import TEST
 
@@ -25,7 +25,7 @@ SIMULATED = TEST[90_000:91_000]
 SIDE_BY_SIDE = 250
 
 
-class Sample(NamedTuple):
+class MeanOfRuns(NamedTuple):
     """A mean of runs, with its standard error."""
 
     mean: float
@@ -55,13 +55,13 @@ def best_constant(size: int) -> tuple[int, float]:
     """Return the constant lambda of the least expected evaluations, and these."""
     runtimes = {}
     for number in CHOICES["onemax"].mutants:
-        found = expected_runtimes(Decisions.of_size(np.full(size, number)), size // 2)
+        found = expected_runtimes(LambdaDecisions.of_size(np.full(size, number)), size // 2)
         runtimes[number] = float(found[size // 2]) + 1.0
     best = min(runtimes, key=runtimes.__getitem__)
     return best, runtimes[best]
 
 
-def simulated(controller: Controller, size: int, seeds: range = SIMULATED) -> Sample:
+def simulated(controller: Controller, size: int, seeds: range = SIMULATED) -> MeanOfRuns:
     """Return the mean evaluations of simulated runs, one for each seed."""
     found: list[Floats] = []
     for first in range(seeds.start, seeds.stop, SIDE_BY_SIDE):
@@ -71,7 +71,7 @@ def simulated(controller: Controller, size: int, seeds: range = SIMULATED) -> Sa
             raise ValueError(f"n = {size}: a run did not end within {12 * size} iterations; raise the limit")
         found.append(runs.evaluations)
     evaluations = np.concatenate(found)
-    return Sample(float(evaluations.mean()), float(evaluations.std(ddof=1) / np.sqrt(len(evaluations))))
+    return MeanOfRuns(float(evaluations.mean()), float(evaluations.std(ddof=1) / np.sqrt(len(evaluations))))
 
 
 def one_step(size: int, zeros: int, sizes: Sequence[int]) -> Floats:
@@ -87,5 +87,5 @@ def one_step(size: int, zeros: int, sizes: Sequence[int]) -> Floats:
     for number in sizes:
         changed = best.copy()
         changed[size - zeros] = number
-        runtimes.append(expected_runtimes(Decisions.of_size(changed), size - zeros)[size - zeros])
+        runtimes.append(expected_runtimes(LambdaDecisions.of_size(changed), size - zeros)[size - zeros])
     return np.array(runtimes)

@@ -11,7 +11,7 @@ import swarm_gym.controllers.onemax_schedules as schedules
 from experiments.studies.onemax.runtimes import Floats, optimum
 from swarm_gym.controllers.onemax_schedules import FIRST, NUM_KNOTS, SPACING, ShareSchedule
 from swarm_gym.files import write_atomically
-from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions, expected_runtimes
 
 SIZES = (100, 200, 500)
 FILE = Path(schedules.__file__).parent / "data" / schedules.FILE
@@ -57,9 +57,11 @@ def _runtime(schedule: ShareSchedule, size: int) -> float:
     """Return what `expected_runtime` does, without an environment, which takes longer than short strings."""
     ones = np.arange(size, dtype=np.float64)
     sizes, _, *others = schedule.act(np.stack([np.full(size, float(size)), ones], axis=1)).T
-    decisions = Decisions.of_size(sizes)
+    decisions = LambdaDecisions.of_size(sizes)
     if others:
-        decisions = Decisions(decisions.mutants, np.floor(others[0] + 0.5).astype(np.int64), *others[1:])
+        decisions = LambdaDecisions(
+            decisions.mutants, np.floor(others[0] + 0.5).astype(np.int64), *others[1:]
+        )
     return float(expected_runtimes(decisions, size // 2)[size // 2]) + 1.0
 
 

@@ -1,7 +1,7 @@
 """The state of CMA-ES in the arrays of `Swarms`.
 
 `Swarms.field` holds first the numbers below, which observations read by their column. The arrays of
-`Layout` follow. `Swarms.registers` holds counts.
+`FirstColumns` follow. `Swarms.registers` holds counts.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ NO_REASON, STALLED, DEGENERATE = range(3)
 LONGEST_HISTORY = 320
 
 
-class Layout(NamedTuple):
+class FirstColumns(NamedTuple):
     """The first columns of the arrays in a swarm's `field`, for positions of C columns.
 
     Matrices have C columns in each row; only the rows and columns below the dimension are in use.
@@ -54,13 +54,13 @@ class Layout(NamedTuple):
 
 
 @kernel(inline="late")
-def layout(width: int) -> Layout:
+def layout(width: int) -> FirstColumns:
     """Return the first columns for positions of C = `width` columns."""
     mean, square = _NUM_NUMBERS, width * width
     covariance = mean + 3 * width
     bests = covariance + 3 * square
     mean_movement = bests + 2 * LONGEST_HISTORY
-    return Layout(
+    return FirstColumns(
         mean,
         mean + width,
         mean + 2 * width,

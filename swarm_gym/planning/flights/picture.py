@@ -18,8 +18,7 @@ from swarm_gym.errors import MissingExtraError
 from swarm_gym.planning.flights.ground_track import ground_track
 from swarm_gym.planning.flights.result import Flight
 from swarm_gym.scenarios import TerrainScenario
-from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y
-from swarm_gym.scenarios.terrain.shade import hill_shade
+from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y, hill_shade
 
 Floats = NDArray[np.float64]
 

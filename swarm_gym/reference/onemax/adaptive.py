@@ -26,7 +26,7 @@ from swarm_gym.reference.onemax.iteration import (
     make_tables,
     mutation_outcomes,
 )
-from swarm_gym.reference.onemax.runtimes import Decisions
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -42,7 +42,7 @@ class Ladder:
         fall: rungs that a gain leads down.
     """
 
-    rungs: Decisions
+    rungs: LambdaDecisions
     last: Integers
     fall: int
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError
 from swarm_gym.files import write_atomically
-from swarm_gym.reference.onemax.runtimes import Choices, Decisions, optimal_control
+from swarm_gym.reference.onemax.runtimes import Choices, LambdaDecisions, optimal_control
 from swarm_gym.scenarios import OneMaxScenario
 
 FILE = "optima.json"
@@ -66,7 +66,7 @@ class Optimum(NamedTuple):
     """
 
     evaluations: float
-    decisions: Decisions
+    decisions: LambdaDecisions
 
 
 def compute(size: int, choices: str, counting: str = "copies-free") -> Optimum:
@@ -92,7 +92,7 @@ def compute(size: int, choices: str, counting: str = "copies-free") -> Optimum:
     columns = (found.mutants, found.children, found.strength, found.bias)
     for column in columns:
         column[:start] = column[start]
-    return Optimum(float(later[start]) + 1.0, Decisions(*columns))
+    return Optimum(float(later[start]) + 1.0, LambdaDecisions(*columns))
 
 
 def packaged(size: int, choices: str, counting: str = "copies-free") -> Optimum:
@@ -138,7 +138,7 @@ def _packaged() -> dict[tuple[str, str, int], Optimum]:
     for entry in json.loads(text):
         columns = [_repeated(runs) for runs in entry["decisions"]]
         mutants, children = (column.astype(np.int64) for column in columns[:2])
-        decisions = Decisions(mutants, children, columns[2], columns[3])
+        decisions = LambdaDecisions(mutants, children, columns[2], columns[3])
         key = entry["choices"], entry["counting"], entry["size"]
         found[key] = Optimum(entry["evaluations"], decisions)
     return found

@@ -29,7 +29,7 @@ Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Decisions:
+class LambdaDecisions:
     """The decisions of a control for every number of ones f = 0, ..., n - 1; all arrays have shape (n,).
 
     Attributes:
@@ -45,7 +45,7 @@ class Decisions:
     bias: Floats
 
     @classmethod
-    def of_size(cls, sizes: NDArray) -> "Decisions":
+    def of_size(cls, sizes: NDArray) -> "LambdaDecisions":
         """Return the decisions of a control of lambda alone, (n,): as many children, alpha = beta = 1."""
         sizes = np.asarray(sizes, dtype=np.int64)
         return cls(sizes, sizes, np.ones(len(sizes)), np.ones(len(sizes)))
@@ -68,7 +68,7 @@ class Choices:
     bias: tuple[float, ...] = (1.0,)
 
 
-def expected_runtimes(decisions: Decisions, start: int = 0, copies_free: bool = True) -> Floats:
+def expected_runtimes(decisions: LambdaDecisions, start: int = 0, copies_free: bool = True) -> Floats:
     """Return (n + 1,) expected evaluations that remain, by the number of ones; NaN below the start.
 
     A run from f ones costs one evaluation more, for its first string.
@@ -85,7 +85,7 @@ def expected_runtimes(decisions: Decisions, start: int = 0, copies_free: bool = 
 
 def optimal_control(
     size: int, choices: Choices, start: int = 0, copies_free: bool = True, most_flips: float = math.inf
-) -> tuple[Floats, Decisions]:
+) -> tuple[Floats, LambdaDecisions]:
     """Return the least expected evaluations that remain, (n + 1,), and the decisions that reach them.
 
     Both are NaN, or 1, below the start.
@@ -102,7 +102,7 @@ def optimal_control(
         mutants = children = np.array(choices.mutants)
         strength = bias = np.ones(len(mutants))
         later, chosen, _ = _optimise(size, start, mutants, strength, children, bias, True, copies_free)
-        return later, Decisions.of_size(mutants[chosen])
+        return later, LambdaDecisions.of_size(mutants[chosen])
     mutants, strength = map(np.ravel, np.meshgrid(choices.mutants, choices.strength, indexing="ij"))
     few = mutants * strength <= most_flips
     mutants, strength = mutants[few], strength[few]
@@ -110,7 +110,7 @@ def optimal_control(
     later, first, second = _optimise(
         size, start, mutants, strength.astype(float), children, bias.astype(float), False, copies_free
     )
-    return later, Decisions(mutants[first], children[second], strength[first], bias[second])
+    return later, LambdaDecisions(mutants[first], children[second], strength[first], bias[second])
 
 
 @entry

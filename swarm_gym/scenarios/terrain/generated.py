@@ -18,7 +18,7 @@ import numpy as np
 
 from swarm_gym.scenarios.family import Family, expand_split
 from swarm_gym.scenarios.terrain import heights_cache
-from swarm_gym.scenarios.terrain.generator import BAND, DANGER, DRONE, FIRST_CELL, Draws, Terrain, draw
+from swarm_gym.scenarios.terrain.generator import BAND, DANGER, DRONE, FIRST_CELL, Terrain, TerrainDraws, draw
 from swarm_gym.scenarios.terrain.scenario import TOP, TerrainScenario
 
 NAME = "terrain"
@@ -81,7 +81,7 @@ def terrain_of(name: str) -> Terrain:
     return heights_cache.terrain_of(name.replace(":", "-"), draws_of(name))
 
 
-def draws_of(name: str) -> Draws:
+def draws_of(name: str) -> TerrainDraws:
     """Return the random numbers of the terrain of a name, without its height map: in milliseconds."""
     _, kind, number = name.split(":")
     split, k = SPLITS[kind], int(number)
@@ -107,7 +107,7 @@ def as_scenario(name: str, terrain: Terrain) -> TerrainScenario:
     )
 
 
-def _test_draws(number: int) -> Draws:
+def _test_draws(number: int) -> TerrainDraws:
     """Return terrain `number` of the one stream of the tests."""
     stream = np.random.RandomState()
     stream.set_state(_test_states()[number])
@@ -128,7 +128,7 @@ def _test_threats(number: int) -> int:
     return FEW if number < TESTS // 2 else MANY
 
 
-def _next_possible(stream: np.random.RandomState, threats: int) -> Draws:
+def _next_possible(stream: np.random.RandomState, threats: int) -> TerrainDraws:
     """Return the next terrain of a stream whose goal is free."""
     while True:
         found = draw(stream, threats)

@@ -71,7 +71,7 @@ class Level(NamedTuple):
     height: Floats
 
 
-class Draws(NamedTuple):
+class TerrainDraws(NamedTuple):
     """All random numbers of a terrain.
 
     Attributes:
@@ -99,7 +99,7 @@ class Draws(NamedTuple):
         return on_map and _distance(self.threats, *self.goal) > DRONE
 
 
-def draw(generator: np.random.RandomState, threats: int) -> Draws:
+def draw(generator: np.random.RandomState, threats: int) -> TerrainDraws:
     """Return the random numbers of the next terrain of a stream, without its height map: in milliseconds.
 
     Args:
@@ -134,13 +134,13 @@ def draw(generator: np.random.RandomState, threats: int) -> Draws:
         y_near, y_far = _end(generator.rand(), far=False), _end(generator.rand(), far=True)
         if _distance(cylinders, x_near, y_near) > DRONE + DANGER:
             first = np.stack([x, y, height, rough])
-            return Draws(
+            return TerrainDraws(
                 roughness, variation, first, tuple(levels), cylinders, (x_near, y_near), (x_far, y_far)
             )
     raise ScenarioError(f"terrain with {threats} threats: they leave no room for a start; expected fewer")
 
 
-def make_terrain(draws: Draws) -> Terrain:
+def make_terrain(draws: TerrainDraws) -> Terrain:
     """Return the terrain of random numbers; its height map takes seconds.
 
     Raises:
@@ -149,7 +149,7 @@ def make_terrain(draws: Draws) -> Terrain:
     return terrain_with(draws, heights_of(draws))
 
 
-def terrain_with(draws: Draws, heights: Floats) -> Terrain:
+def terrain_with(draws: TerrainDraws, heights: Floats) -> Terrain:
     """Return the terrain of random numbers whose height map is known.
 
     Raises:
@@ -167,7 +167,7 @@ def terrain_with(draws: Draws, heights: Floats) -> Terrain:
     return Terrain(heights, threats, (*draws.start, ABOVE_GROUND), (*draws.goal, ABOVE_GROUND))
 
 
-def heights_of(draws: Draws) -> Floats:
+def heights_of(draws: TerrainDraws) -> Floats:
     """Return the height map: all points of all levels, interpolated at the cells.
 
     For each triangle SciPy solves two equations with LAPACK, whose threads wait for each other. On a
@@ -179,7 +179,7 @@ def heights_of(draws: Draws) -> Floats:
         return _grown(draws)
 
 
-def _grown(draws: Draws) -> Floats:
+def _grown(draws: TerrainDraws) -> Floats:
     x, y, height, rough = draws.first
     for number, level in enumerate(draws.levels, 1):
         spread, step = 0.5**number, 0.75**number

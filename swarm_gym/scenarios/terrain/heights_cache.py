@@ -11,12 +11,19 @@ from pathlib import Path
 import numpy as np
 
 from swarm_gym.files import user_cache, write_atomically
-from swarm_gym.scenarios.terrain.generator import SIDE, Draws, Floats, Terrain, heights_of, terrain_with
+from swarm_gym.scenarios.terrain.generator import (
+    SIDE,
+    Floats,
+    Terrain,
+    TerrainDraws,
+    heights_of,
+    terrain_with,
+)
 
 MOST = 200  # files, 1.3 GB
 
 
-def terrain_of(key: str, draws: Draws) -> Terrain:
+def terrain_of(key: str, draws: TerrainDraws) -> Terrain:
     """Return the terrain of random numbers, whose height map is read from the cache if it is there.
 
     Args:

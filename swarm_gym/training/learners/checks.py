@@ -5,8 +5,7 @@ from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.training.algorithms import GroupedOptions
-from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.paired_reward import PAIRED
+from swarm_gym.training.config import PAIRED, TrainConfig
 
 DEVICES = ("cpu", "cuda")
 

@@ -17,7 +17,7 @@ from stable_baselines3.common.utils import set_random_seed
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.runs.seeds import TRAINING_START
 from swarm_gym.training.algorithms import DevicePPO
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.config import ENV_REWARD, PAIRED, TrainConfig
 from swarm_gym.training.imitation import ROLLOUTS, Demonstration, imitate
 from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.training.learners.clipped_update import Steps, update
@@ -28,7 +28,6 @@ from swarm_gym.training.learners.group_advantages import advantages_and_returns
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.learners.ppo import actor_layers, policy_options, step_size
 from swarm_gym.training.learners.stopped_chunk import State
-from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
 
 
 class DevicePPOLearner(Learner):

@@ -14,8 +14,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.sources import Source
-from swarm_gym.training.config import EnvOptions, TrainConfig
-from swarm_gym.training.paired_reward import PAIRED
+from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
 from swarm_gym.wrappers.paired_reward import Reference
 
 

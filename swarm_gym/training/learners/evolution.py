@@ -21,10 +21,9 @@ from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out
 from swarm_gym.runs.checkpoints import load_strategy, strategy_state
 from swarm_gym.training.algorithms import Evolution
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.config import ENV_REWARD, PAIRED, TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_swarms
 from swarm_gym.training.learners.learner import Learner
-from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
 from swarm_gym.wrappers.beginnings import begin_together
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from experiments.documents.suite_page import describe_provenance
 from experiments.publish import publish
 from experiments.runs.groups import group_controllers
 from experiments.runs.labels import label
-from experiments.studies.learned import findings
+from experiments.studies.learned import tables as learned
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import LOOKED_INTO
 from experiments.studies.learned.tables import BLOCKS, PARAMETER_COLUMNS, PARAMETER_FIGURES, TABLE_BLOCKS
@@ -52,10 +52,10 @@ OTHERS = {
 }
 # Rows that the page picks from tables, by the name of the table.
 SHOWN_ROWS = {
-    "headline": lambda _: [(label(group), "1", f"{group}: 3.5") for group in findings.STRONGEST],
+    "headline": lambda _: [(label(group), "1", f"{group}: 3.5") for group in learned.STRONGEST],
     "claims": lambda suite: [
         (finding.sentence, scenario_set, "gap", "1", "2", "-1", "yes")
-        for finding in findings.FINDINGS
+        for finding in learned.FINDINGS
         for of, scenario_set, _ in finding.rows
         if of == suite
     ],

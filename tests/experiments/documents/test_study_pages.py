@@ -10,7 +10,7 @@ from experiments.catalogue import SUITES
 from experiments.documents.marked_blocks import block_names
 from experiments.publish import DOCUMENTS
 from experiments.studies.dynamic import findings as dynamic
-from experiments.studies.learned import findings as learned
+from experiments.studies.learned import tables as learned
 from experiments.studies.newcomers import findings as newcomers
 from experiments.tables.block_contents import Finding, findings, shortened
 from experiments.tables.document import ResultsFolder

@@ -19,7 +19,7 @@ from numba.core.registry import cpu_target
 
 import swarm_gym
 from helpers.loops import looped
-from swarm_gym.compiler import borrowing, jit
+from swarm_gym.compiler import jit
 from swarm_gym.compiler.cache import KernelCache
 from swarm_gym.compiler.linked_code import EntryCode, KernelCode, empty_code
 
@@ -288,7 +288,7 @@ def test_the_attributes_of_dispatchers_compilers_and_passes_exist():
     exist(PASSED["state"], *states)
     assert states[0].flags.nrt in (True, False)
     exist({"contains_nrt_meminfo"}, states[0].targetctx.data_model_manager[numba.types.float64])
-    exist(INHERITED["numba.core.compiler_machinery.AnalysisPass"], borrowing.CheckBorrowing)
+    exist(INHERITED["numba.core.compiler_machinery.AnalysisPass"], jit._CheckBorrowing)
 
 
 def test_the_list_names_what_the_package_reads_of_the_objects_that_numba_passes():

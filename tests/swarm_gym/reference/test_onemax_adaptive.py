@@ -13,7 +13,7 @@ from oracles.bit_strings import Choice
 from swarm_gym.comparing.onemax import decisions_on, expected_runtime
 from swarm_gym.errors import SettingError
 from swarm_gym.reference.onemax.adaptive import Ladder, ladder_runtimes
-from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
+from swarm_gym.reference.onemax.runtimes import LambdaDecisions, expected_runtimes
 from swarm_gym.rollout import run_episodes
 
 # Mean and standard error of 1,000 published runs of the one-fifth rule.
@@ -25,7 +25,7 @@ RUNGS = (Choice(1, 1), Choice(1, 2, 1.6, 0.8), Choice(2, 2), Choice(3, 2, 0.7, 1
 def ladder_of(choices, size, fall, last=None):
     """Return a ladder of choices whose last rung is the same for all numbers of ones, or as given."""
     mutants, children, alpha, beta = np.transpose(choices)
-    rungs = Decisions(mutants.astype(np.int64), children.astype(np.int64), alpha, beta)
+    rungs = LambdaDecisions(mutants.astype(np.int64), children.astype(np.int64), alpha, beta)
     return Ladder(rungs, np.full(size, len(choices) - 1) if last is None else np.array(last), fall)
 
 
@@ -58,7 +58,7 @@ def test_expected_runtimes_are_the_enumerated_ones(fall, last, copies_free):
 
 def test_a_ladder_of_one_rung_is_a_constant_control():
     found = ladder_runtimes(ladder_of([Choice(4, 6, 1.2, 0.9)], 60, 4), start=20)
-    decisions = Decisions(np.full(60, 4), np.full(60, 6), np.full(60, 1.2), np.full(60, 0.9))
+    decisions = LambdaDecisions(np.full(60, 4), np.full(60, 6), np.full(60, 1.2), np.full(60, 0.9))
     np.testing.assert_allclose(found[0], expected_runtimes(decisions, 20), rtol=1e-12)
 
 

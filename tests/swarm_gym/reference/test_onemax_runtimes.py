@@ -11,7 +11,7 @@ from oracles import bit_strings
 from oracles.bit_strings import Choice, paired
 from swarm_gym.comparing.onemax import decisions_on, expected_runtime
 from swarm_gym.errors import ScenarioError, SettingError
-from swarm_gym.reference.onemax.runtimes import Choices, Decisions, expected_runtimes, optimal_control
+from swarm_gym.reference.onemax.runtimes import Choices, LambdaDecisions, expected_runtimes, optimal_control
 from swarm_gym.rollout import run_episodes
 
 # Mean and standard error of 1,000 published runs of theory's policy.
@@ -26,7 +26,7 @@ either_count = pytest.mark.parametrize("copies_free", [True, False])
 def decisions_of(size, decide):
     """Return the decisions at every number of ones, as the reference takes them."""
     mutants, children, alpha, beta = np.transpose([decide(ones) for ones in range(size)])
-    return Decisions(mutants.astype(np.int64), children.astype(np.int64), alpha, beta)
+    return LambdaDecisions(mutants.astype(np.int64), children.astype(np.int64), alpha, beta)
 
 
 def varying(ones):
@@ -91,7 +91,7 @@ def test_no_fixed_control_is_below_the_optimum_anywhere(copies_free):
     later, decisions = optimal_control(80, Choices(choices), copies_free=copies_free)
     np.testing.assert_allclose(expected_runtimes(decisions, copies_free=copies_free), later, rtol=1e-12)
     for size in choices:
-        fixed = expected_runtimes(Decisions.of_size(np.full(80, size)), copies_free=copies_free)
+        fixed = expected_runtimes(LambdaDecisions.of_size(np.full(80, size)), copies_free=copies_free)
         assert (later <= fixed * (1 + 1e-12)).all()
         assert later[40] < fixed[40]
 
@@ -113,7 +113,7 @@ def test_more_choices_are_never_worse_and_all_children_never_cheaper():
 
 
 def test_a_start_leaves_the_numbers_above_it_as_they_are():
-    decisions = Decisions.of_size(np.full(50, 3))
+    decisions = LambdaDecisions.of_size(np.full(50, 3))
     whole, half = expected_runtimes(decisions), expected_runtimes(decisions, 25)
     np.testing.assert_array_equal(whole[25:], half[25:])
     assert np.isnan(half[:25]).all()

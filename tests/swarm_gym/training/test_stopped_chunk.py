@@ -8,8 +8,8 @@ import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from helpers.trainings import DQN, EVOLUTION, STEPS, assert_same_weights, train
-from swarm_gym.training import progress, run
-from swarm_gym.training.progress import Progress
+from swarm_gym.training import events, run
+from swarm_gym.training.events import Progress
 
 SHORT = {"iterations": 12, "warm_start": "none", "validation_seeds": 1}
 GROUPS = {
@@ -118,7 +118,7 @@ def test_chunks_whose_rollouts_begin_inside_of_episodes_are_not_stopped(tmp_path
 
 
 def test_the_bar_moves_within_a_chunk(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "PERIOD", 0.01)
+    monkeypatch.setattr(events, "PERIOD", 0.01)
     steps = [0]
     with Progress("mine", 90, lambda: steps[0]) as bar:
         for _ in range(3):
