@@ -189,11 +189,11 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
-	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --without learned "fireflies, constants" --keep-best --output results/terrain/all
-	$(BIN)/python -m experiments.terrain --evaluations 20000 --terrains terrain:test:0-7 terrain:test:28-35 --rows "L-SHADE, spherical" --keep-best --output results/terrain/longer
-	$(BIN)/python -m experiments.terrain --evaluations 2500 --terrains terrain:test:0-7 terrain:test:28-35 --runs 31 --without "fireflies, SPSFA" "fireflies, constants" --keep-best --output results/terrain/control
-	$(BIN)/python -m experiments.terrain --cost metabox --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
+	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longer
+	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
 	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2
+	$(BIN)/python -m experiments.terrain --beside-metabox --output results/terrain/speed
 	$(BIN)/python -m experiments.publish terrain
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md

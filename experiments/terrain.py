@@ -13,6 +13,7 @@ import tyro
 
 from experiments.documents.digests import digests_of_terrain
 from experiments.documents.records import commits_in, record_of, write_record
+from experiments.speed.beside_metabox import table_beside_metabox
 from experiments.studies.terrain.best_known import collect, least_costs
 from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, rows
 from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
@@ -50,6 +51,8 @@ class TerrainConfig:
     """Parts of the names of rows to leave out, e.g. learned."""
     keep_best: bool = False
     """Replace best known flights by better ones of these runs, in the file of the study."""
+    beside_metabox: bool = False
+    """Measure the cost beside MetaBox's code, in one run, instead of running rows."""
 
 
 def write(config: TerrainConfig) -> list[Path]:
@@ -58,8 +61,12 @@ def write(config: TerrainConfig) -> list[Path]:
     Raises:
         SettingError: if there is no run, or a budget that no optimizer has a population for.
         UnknownNameError: for a cost or a terrain that does not exist.
-        ValueError: if no row has such a name.
+        ValueError: if no row has such a name, or MetaBox's code is asked for and missing.
     """
+    if config.beside_metabox:
+        table = table_beside_metabox()
+        table.write(config.output)
+        return [config.output / f"{table.name}.md"]
     require_integer("runs", config.runs, 1)
     require_integer("peer_runs", config.peer_runs, 1)
     look_up("cost", config.cost, COSTS)

@@ -97,7 +97,7 @@ OTHERS = {
     "[learners](learners.md)": ("learners",),
     "[known optimum](known-optimum.md)": ("known-optimum",),
     "[strong optimizers](strong-optimizers.md)": ("strong-optimizers", "strong-on-bbob", "beside-pycma"),
-    "[terrain](terrain.md)": ("terrain-all", "terrain-eight", "terrain-control"),
+    "[terrain](terrain.md)": ("terrain-all", "terrain-longer", "terrain-eight"),
     "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
     "[other libraries](adapters.md)": ("adapters",),

@@ -25,7 +25,7 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     "learners": digests_of_rivals,
     **dict.fromkeys(("strong-optimizers", "strong-on-bbob", "beside-pycma"), digests_of_strong),
     "terrain-all": digests_of_terrain,
-    "terrain-control": digests_of_terrain,
+    "terrain-longer": digests_of_terrain,
     "terrain-eight": digests_of_terrain,
 }
 

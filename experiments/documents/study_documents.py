@@ -14,7 +14,8 @@ from experiments.plots.style import render, settings
 from experiments.studies.bbob.suites import BASELINE, OPTIMIZERS
 from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.studies.strong.suites import LADDER
-from experiments.studies.terrain.tables_of_costs import BESIDE_CONTROL, IN_SHORT
+from experiments.studies.terrain import table_of_control
+from experiments.studies.terrain.tables_of_costs import IN_SHORT, LONGER
 from experiments.tables.block_contents import shortened, texts
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick
@@ -60,7 +61,7 @@ CASES = (
 )  # fmt: skip
 AT_BUDGETS = "strong/cases-at-budgets"  # folder of the paper's cases at equal evaluations
 CASES_TABLE = f"{AT_BUDGETS}/cases-at-budgets"
-TERRAINS, CONTROLLED = "terrain/all/metabox-in-short", "terrain/control/metabox-in-short"
+TERRAINS, CONTROL = "terrain/all/metabox-in-short", "terrain/all/metabox-control"
 
 
 def _show(results: ResultsFolder, name: str, draw: Callable[[Table], Figure], table: Table) -> None:
@@ -126,9 +127,9 @@ def _strong(results: ResultsFolder) -> str:
 
 def _control(results: ResultsFolder) -> str:
     """Return the table of control over terrain, and show its figure."""
-    table = results.table("terrain/control/metabox-control")
+    table = results.table(CONTROL)
     _show(results, "control", draw_control, table)
-    return table.markdown()
+    return shortened(CONTROL, table_of_control.IN_SHORT, results)
 
 
 def _cases_at_budgets(results: ResultsFolder) -> str:
@@ -159,15 +160,16 @@ STRONG_TABLES: Mapping[str, Block] = {
 TERRAIN_BLOCKS: Mapping[str, Block] = {
     "test-terrains": partial(shortened, TERRAINS, IN_SHORT),
     "control-over-terrain": _control,
+    "longer-over-terrain": partial(shortened, "terrain/longer/metabox-in-short", LONGER),
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name=f"{TERRAINS}.md"),
-    "controlled-swarms": partial(shortened, CONTROLLED, BESIDE_CONTROL),
+    "all-controllers-over-terrain": partial(ResultsFolder.text, name=f"{CONTROL}.md"),
     "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
-    **texts(
-        ("documented-in-short", "documented-by-terrain", "metabox-in-short", "metabox-by-terrain"),
-        "terrain/eight/",
-    ),
+    "longer-rows": partial(ResultsFolder.text, name="terrain/longer/metabox-in-short.md"),
+    "longer-by-terrain": partial(ResultsFolder.text, name="terrain/longer/metabox-by-terrain.md"),
+    **texts(("documented-in-short", "documented-by-terrain"), "terrain/eight/"),
+    **texts(("beside-metabox",), "terrain/speed/"),
 }
 STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "bbob": (

@@ -36,6 +36,7 @@ KERNEL_SOURCES = (
     "compiler",
     "corridors.py",
     "final_repair",
+    "history.py",
     "population.py",
     "sources.py",
     "problem",

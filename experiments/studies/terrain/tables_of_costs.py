@@ -8,7 +8,7 @@ from experiments.studies.terrain.measured_costs import Asked, Floats
 from experiments.studies.terrain.peers import PEERS
 from experiments.studies.terrain.rows import PLANNED
 from experiments.tables import Table
-from experiments.tables.cell import MISSING, Entry, number
+from experiments.tables.cell import Entry, number
 
 # Rows that have a column in the table by terrain, where they are there.
 SHOWN = (
@@ -23,17 +23,13 @@ IN_SHORT = (
     "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "mealpy L-SHADE, waypoints",
     "PSO, spherical, uniform",
 )  # fmt: skip
-# Rows of its appendix, over the terrains on which controllers ran.
-BESIDE_CONTROL = (
-    "L-SHADE, learned, with sources, waypoints, guided",
-    "L-SHADE, learned, size and phi, waypoints, guided",
-    "L-SHADE, blind schedule, with sources, waypoints, guided",
-    "L-SHADE, blind schedule, size and phi, waypoints, guided",
-    "L-SHADE, constants, size and phi, waypoints, guided",
-    *IN_SHORT,
-    "pymoo DE, waypoints",
-    "L-SHADE, spherical, uniform",
-)
+# Rows of that page after more evaluations.
+LONGER = (
+    "L-SHADE, constants, with sources, waypoints, guided", "L-SHADE, waypoints, guided",
+    "multivariate, waypoints, guided", "fireflies, waypoints, guided", "CMA-ES, waypoints, guided",
+    "L-SHADE, waypoints, smooth", "multivariate, waypoints, smooth", "L-SHADE, waypoints, uniform",
+    "L-SHADE, spherical, uniform", "PSO, spherical, uniform",
+)  # fmt: skip
 
 
 def tables(
@@ -69,16 +65,21 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
             row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".0f")
             row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".0f")
         row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
-        row["below the best peer"] = _below(measured, name, peer)
+        if peer:
+            row["below the best peer"] = _below(measured, name, peer)
         found.append((float(np.nanmean(excess[:, 0])), row))
-    peers = "" if asked.peer_runs == asked.runs else f" ({asked.peer_runs} of other libraries)"
+    peers, below = "", ""
+    if peer:
+        peers = "" if asked.peer_runs == asked.runs else f" ({asked.peer_runs} of other libraries)"
+        below = (
+            f"Below the best peer: terrains on which the mean after {asked.evaluations[0]:,} is below that "
+            f"of {peer}, the library row with the least mean excess. "
+        )
     caption = (
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
         f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.runs} runs{peers}, of each policy where "
         f"there are several, after so many evaluations. First on terrains: where the mean is the least after "
-        f"{asked.evaluations[0]:,}. Below the best peer: terrains on which the mean after "
-        f"{asked.evaluations[0]:,} is below that of {peer or 'a peer'}, the library row with the least mean "
-        "excess. What planning takes is not in the evaluations"
+        f"{asked.evaluations[0]:,}. {below}What planning takes is not in the evaluations"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
     return Table.of(f"{asked.cost}-in-short", caption, rows)
@@ -94,10 +95,8 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     return min(excess, key=lambda name: excess[name], default=None)
 
 
-def _below(measured: Mapping[str, Floats], name: str, peer: str | None) -> Entry:
+def _below(measured: Mapping[str, Floats], name: str, peer: str) -> Entry:
     """Return on how many terrains the mean cost of a row after the first budget is below that of a peer."""
-    if peer is None:
-        return MISSING
     below = measured[name][:, 0].mean(axis=1) < measured[peer][:, 0].mean(axis=1)
     return number(int(below.sum()), ".0f")
 

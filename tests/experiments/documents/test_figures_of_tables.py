@@ -31,7 +31,7 @@ FIGURES = {
     "gaps": (draw_gaps, "strong-optimizers-tables", "in-short", "strong-optimizers/gaps.svg"),
     "sizes": (draw_sizes, "bbob-tables", "bbob-groups", "bbob/sizes.svg"),
     "objectives": (draw_objectives, "learners-tables", "reached-200000", "learners/objectives.svg"),
-    "control": (draw_control, "terrain", "control-over-terrain", "terrain/control.svg"),
+    "control": (draw_control, "terrain-tables", "all-controllers-over-terrain", "terrain/control.svg"),
 }
 
 

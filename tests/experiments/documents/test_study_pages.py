@@ -54,7 +54,11 @@ SOURCES = {
         "strong-optimizers/on-bbob": "on-bbob",
         "strong/cases-at-budgets/cases-at-budgets": "cases-at-budgets",
     },
-    "terrain": {"terrain/all/metabox-in-short": "all-rows-over-terrain"},
+    "terrain": {
+        "terrain/all/metabox-in-short": "all-rows-over-terrain",
+        "terrain/all/metabox-control": "all-controllers-over-terrain",
+        "terrain/longer/metabox-in-short": "longer-rows",
+    },
 }  # fmt: skip
 # Blocks of a page that are made from these rows.
 SHORT = {
@@ -63,7 +67,7 @@ SHORT = {
     "learners": ("reached-200000",),
     "known-optimum": ("one-parameter",),
     "strong-optimizers": ("in-short", "on-bbob", "cases-at-budgets"),
-    "terrain": ("test-terrains",),
+    "terrain": ("test-terrains", "control-over-terrain", "longer-over-terrain"),
 }
 CHOSEN = {"study": learned.FINDINGS, "newcomers": newcomers.FINDINGS, "dynamic": dynamic.FINDINGS}
 
