@@ -7,9 +7,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.size_limits import SizeLimits
+
+if TYPE_CHECKING:  # a command does not import the simulation before it runs
+    from swarm_gym.controllers.controller import Controller
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,7 @@ class Tuner(ABC):
         """Return the seed of the first episode of every round; other episodes have the following seeds."""
 
     @abstractmethod
-    def result(self) -> Controller:
+    def result(self) -> "Controller":
         """Return the tuned controller after the rounds so far."""
 
     @abstractmethod

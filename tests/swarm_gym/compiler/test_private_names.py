@@ -46,7 +46,6 @@ NAMES = {
     "numba.core.ir": {"Expr"},
     "numba.core.registry": {"CPUDispatcher"},
     "numba.core.typed_passes": {"NopythonTypeInference"},
-    "numba.core.types": {"Dispatcher", "Function"},
     "numba.core.typing.templates": {"infer", "infer_global", "make_intrinsic_template"},
     "numba.cuda": {
         "as_cuda_array", "ballot_sync", "blockIdx.x", "external_stream", "ffs", "jit", "shared.array",
@@ -54,8 +53,8 @@ NAMES = {
     },
     "numba.extending": {"intrinsic", "models.PrimitiveModel", "overload", "register_model"},
     "numba.types": {
-        "Array", "BaseNamedTuple", "BaseTuple", "Float", "Function", "Integer", "NamedUniTuple", "Type",
-        "boolean", "float64", "int64", "intp", "none", "uint64", "uint8", "void",
+        "Array", "BaseNamedTuple", "BaseTuple", "Dispatcher", "Float", "Function", "Integer", "NamedUniTuple",
+        "Type", "boolean", "float64", "int64", "intp", "none", "uint64", "uint8", "void",
     },
 }  # fmt: skip
 RELIED_ON = {f"{module}.{name}" for module, names in NAMES.items() for name in names}
