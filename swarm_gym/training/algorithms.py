@@ -203,6 +203,9 @@ class Evolution(Algorithm):
     """Number of candidates per generation; it has to divide the number of swarms."""
     sigma: float = 0.1
     """Initial step size of the weights."""
+    also_on: tuple[str, ...] = ()
+    """Further optimizers that the policy is trained on, each with the same number of swarms; for decisions
+    that all of them have, such as size and phi."""
 
 
 AnyAlgorithm = PPO | ChoicePPO | DevicePPO | RecurrentPPO | DQN | Evolution
@@ -229,7 +232,7 @@ EVERY_OPTION: dict[str, tuple[object, object]] = {
     for option in option_names(algorithm)
 }
 # Presets hand these on to presets that are like them, and an algorithm that lacks them ignores them.
-_IGNORED = frozenset((*option_names(Evolution), *(set(option_names(RecurrentPPO)) - {"warm_start"})))
+_IGNORED = frozenset((*option_names(Evolution), *option_names(RecurrentPPO))) - {"also_on", "warm_start"}
 
 
 def foreign_options(name: str) -> frozenset[str]:

@@ -4,7 +4,7 @@ from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.training.algorithms import GroupedOptions
+from swarm_gym.training.algorithms import Evolution, GroupedOptions
 from swarm_gym.training.config import PAIRED, TrainConfig
 
 DEVICES = ("cpu", "cuda")
@@ -65,7 +65,8 @@ def _require_joinable(config: TrainConfig) -> None:
     for option in ("branches", "branch_at_events"):
         if getattr(options, option):
             raise ValueError(f"also_on and {option} exclude each other, got {getattr(options, option)!r}")
-    if options.group_size == 1 or options.warm_start != "none" or options.critic:
+    evolution = isinstance(options, Evolution)  # earns whole episodes, and so needs no groups
+    if not evolution and (options.group_size == 1 or options.warm_start != "none" or options.critic):
         raise ValueError(
             "also_on needs groups without a critic and without imitation, got group_size "
             f"{options.group_size}, critic {options.critic}, warm_start {options.warm_start!r}"

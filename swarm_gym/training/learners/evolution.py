@@ -6,41 +6,49 @@ alternative to reinforcement learning", arXiv 1703.03864 (2017). The objective i
 without noise in its actions, as it is used later.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import torch
 from cmaes import CMA, SepCMA
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.learned.networks import affine, tanh_of_layer
 from swarm_gym.controllers.learned.policy_file import Weights
-from swarm_gym.controllers.learned.residual import carried_out
+from swarm_gym.controllers.learned.residual import Base, carried_out
 from swarm_gym.runs.checkpoints import load_strategy, strategy_state
 from swarm_gym.training.algorithms import Evolution
 from swarm_gym.training.config import ENV_REWARD, PAIRED, TrainConfig
-from swarm_gym.training.learners.environments import feature_names, make_swarms
+from swarm_gym.training.learners.environments import feature_names, make_swarms, parts_of
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.wrappers.beginnings import begin_together
 
 Floats = NDArray[np.float64]
+Layer = tuple[
+    NDArray[np.float32], NDArray[np.float32]
+]  # weights and biases of candidates, as in policy files
 
 MOST_WEIGHTS_WITH_COVARIANCE = 200
 
 
 class EvolutionLearner(Learner):
-    """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes."""
+    """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes.
+
+    With several optimizers, each has the same number of swarms, and a return is the mean over them.
+    """
 
     def __init__(self, config: TrainConfig, options: Evolution):
         super().__init__()
         self.config, self.options = config, options
         self._earned: list[list[float]] = []  # largest and mean return of each generation of the chunk so far
-        if config.num_swarms % options.candidates:
+        together = options.candidates * len(config.optimizers)
+        if config.num_swarms % together:
+            times = f" times {len(config.optimizers)} optimizers" if config.algorithm.also_on else ""
             raise ValueError(
-                f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
+                f"num_swarms must be a multiple of candidates{times}, got {config.num_swarms} and "
                 f"{options.candidates}"
             )
         if config.reward == PAIRED:
@@ -49,9 +57,13 @@ class EvolutionLearner(Learner):
                 f"use reward {ENV_REWARD!r}"
             )
         self.num_steps = 0
-        self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
-        self.features = feature_names(config, self._base)
-        self.num_decisions = int(np.prod(self.env.single_action_space.shape or ()))
+        # The swarms of each optimizer, and the base that the policy corrects.
+        self._parts = [
+            make_swarms(part, part.num_swarms, AutoresetMode.DISABLED) for part in parts_of(config)
+        ]
+        env, base = self._parts[0]
+        self.features = feature_names(config, base)
+        self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         sizes = (len(self.features), *config.hidden_layers, self.num_decisions)
         self._shapes = [(into, out) for into, out in pairwise(sizes)]
         begin = self._first_weights(np.random.default_rng(config.seed))
@@ -109,30 +121,35 @@ class EvolutionLearner(Learner):
 
     def _earn(self, candidates: Floats, seed: int) -> Floats:
         """Return the (n,) mean returns of n candidates (n, number of weights), each on the same episodes."""
-        episodes = self.config.num_swarms // len(candidates)
         layers = [_rounded(*layer) for layer in self._layers(candidates)]
-        swarms: Any = self.env.unwrapped
-        rows = np.tile(np.arange(episodes), len(candidates))
+        return np.mean([self._earn_with(env, base, layers, seed) for env, base in self._parts], axis=0)
+
+    def _earn_with(self, env: VectorEnv, base: Base | None, layers: Sequence[Layer], seed: int) -> Floats:
+        """Return the (n,) mean returns of n candidates, given by their layers, with one optimizer."""
+        num_candidates = len(layers[0][0])
+        episodes = env.num_envs // num_candidates
+        swarms: Any = env.unwrapped
+        rows = np.tile(np.arange(episodes), num_candidates)
         # In the first iterations, which all candidates share, the base decides alone.
         observations, returns, ended, num_steps = begin_together(
-            self.env, self._base, rows, seed, self.config.corrected_from
+            env, base, rows, seed, self.config.corrected_from
         )
         self.num_steps += num_steps
         while not ended.all():
             proposal = None
-            if self._base is not None:
-                proposal = self._base.propose(observations)
+            if base is not None:
+                proposal = base.propose(observations)
                 observations = proposal.seen
-            hidden = observations.astype(np.float32).reshape(len(candidates), episodes, -1)
+            hidden = observations.astype(np.float32).reshape(num_candidates, episodes, -1)
             for number, (weight, bias) in enumerate(layers):
                 hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
                     hidden = tanh_of_layer(hidden)
-            actions = carried_out(hidden.reshape(self.env.num_envs, -1), proposal)
+            actions = carried_out(hidden.reshape(env.num_envs, -1), proposal)
             self.num_steps += int((~ended).sum())
             observations, rewards, ended = swarms.step_running(actions)
             returns += rewards
-        return returns.reshape(len(candidates), episodes).mean(axis=1)
+        return returns.reshape(num_candidates, episodes).mean(axis=1)
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
         """Yield weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
@@ -152,6 +169,6 @@ class EvolutionLearner(Learner):
         return np.concatenate(parts)
 
 
-def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _rounded(weight: Floats, bias: Floats) -> Layer:
     """Return a layer as in policy files: (n, outputs, inputs) and (n, outputs), float32."""
     return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)

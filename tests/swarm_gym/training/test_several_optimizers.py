@@ -26,6 +26,12 @@ SEVERAL = {
     "observation": "extended+named",
 }  # fmt: skip
 
+EVOLVED = {
+    "optimizer": "firefly", "also_on": ("particle-swarm",), "warm_start": "none", "base": "fixed:4",
+    "algorithm": "evolution", "candidates": 4, "num_swarms": 16, "reward": "optimality", "hidden_layers": (),
+    "observation": "extended+named",
+}  # fmt: skip
+
 
 def test_each_optimizer_has_its_share_of_the_swarms_and_its_own_episodes(tmp_path):
     learner = make_learner(tiny_config(tmp_path, **SEVERAL))
@@ -93,6 +99,28 @@ def test_a_policy_of_several_optimizers_is_validated_on_each_and_drives_any(tmp_
         assert episodes.evaluations[0] > 0
 
 
+def test_evolution_earns_the_mean_over_the_optimizers(tmp_path):
+    both = make_learner(tiny_config(tmp_path, **EVOLVED))
+    own = {**EVOLVED, "also_on": (), "num_swarms": 8}
+    alone = [
+        make_learner(tiny_config(tmp_path, **{**own, "optimizer": optimizer}))
+        for optimizer in ("firefly", "particle-swarm")
+    ]
+    candidates = np.random.default_rng(0).normal(0.0, 0.3, (4, len(both.features) * 2 + 2))
+    earned = [learner._earn(candidates, 3) for learner in alone]
+    np.testing.assert_array_equal(both._earn(candidates, 3), np.mean(earned, axis=0))
+    assert (earned[0] != earned[1]).all()
+    assert both.num_steps == sum(learner.num_steps for learner in alone)
+
+
+def test_a_policy_that_evolution_trains_on_several_optimizers_drives_any(tmp_path):
+    best = train(tmp_path, **EVOLVED, total_steps=STEPS).run()
+    manifest = load_policy(best)[1]
+    assert manifest["also_on"] == ["particle-swarm"]
+    assert list(manifest["validation"]) == ["firefly/case3", "particle-swarm/case3"]
+    assert make_controller(f"learned:{best}").made_for is None
+
+
 @pytest.mark.slow
 def test_a_resumed_training_on_several_optimizers_equals_one_that_was_not_stopped(tmp_path):
     one, other = run_whole_and_stopped(tmp_path, 1, 2 * STEPS, **SEVERAL)
@@ -112,12 +140,18 @@ def test_a_resumed_training_on_several_optimizers_equals_one_that_was_not_stoppe
             "made for firefly, .*of particle-swarm are",
         ),
         ({"also_on": ("bees",)}, "unknown optimizer 'bees'"),
-        ({"algorithm": "evolution"}, "also_on .*'ppo' only"),
+        ({"algorithm": "dqn"}, "also_on .*'ppo' or 'evolution' only"),
     ],
 )
 def test_optimizers_that_cannot_be_trained_together_leave_nothing_behind(tmp_path, options, message):
     with pytest.raises(ValueError, match=message):
         train(tmp_path, **{**SEVERAL, **options})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_candidates_share_the_swarms_of_each_optimizer(tmp_path):
+    with pytest.raises(ValueError, match="multiple of candidates times 2 optimizers, got 16 and 16"):
+        train(tmp_path, **{**EVOLVED, "candidates": 16})
     assert list(tmp_path.iterdir()) == []
 
 
