@@ -185,6 +185,7 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.strong
 	$(BIN)/python -m experiments.strong --table bbob --runs 4
 	$(BIN)/python -m experiments.strong --table pycma --runs 10
+	$(BIN)/python -m experiments.strong --table libraries --runs 4
 	$(BIN)/python -m experiments.evaluate --suite cases-at-budgets --output results/strong
 	$(BIN)/python -m experiments.publish strong-optimizers
 

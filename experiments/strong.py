@@ -2,7 +2,7 @@
 
 The rows are constants, rules and trained policies. Their runs are kept in a folder, and a later call goes on
 from there. With --table bbob, rows of CMA-ES run on the functions of BBOB in several dimensions instead. With
---table pycma, CMA-ES runs next to its author's library.
+--table pycma, CMA-ES runs next to its author's library, and with --table libraries next to several.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ import tyro
 from experiments.documents.digests import digests_of_results, digests_of_strong, results_key
 from experiments.documents.records import commits_in, record_of, write_record
 from experiments.plots.style import settings, write_figure
+from experiments.studies.strong.beside_libraries import OURS, beside_libraries, run_all
 from experiments.studies.strong.beside_pycma import beside_pycma, run_both
 from experiments.studies.strong.decisions import choose, draw_decisions
 from experiments.studies.strong.entrants import CMA_ES, Entrant, entrants, entrants_on_bbob
@@ -26,7 +27,7 @@ from experiments.studies.strong.tables_of_gaps import tables
 from swarm_gym.checks import require_integer
 from swarm_gym.command import command
 
-BESIDE_PYCMA = 10  # dimension of the functions
+BESIDE = 10  # dimension of the functions
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,10 @@ class StrongConfig:
     dimensions of BBOB it is half of that."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. BIPOP 'lambda 40'; by default all rows."""
-    table: Literal["metabox", "bbob", "pycma"] = "metabox"
+    table: Literal["metabox", "bbob", "pycma", "libraries"] = "metabox"
     """Table to make: all rows on MetaBox's functions; rows of CMA-ES on the 24 functions of BBOB in 3, 5, 10,
-    20 and 40 dimensions; or BIPOP next to pycma's in 10 dimensions."""
+    20 and 40 dimensions; BIPOP next to pycma's in 10 dimensions; or rows of both optimizers next to those of
+    other libraries."""
 
 
 def write(config: StrongConfig) -> list[Path]:
@@ -57,6 +59,8 @@ def write(config: StrongConfig) -> list[Path]:
         return _write_on_bbob(config)
     if config.table == "pycma":
         return _write_beside_pycma(config)
+    if config.table == "libraries":
+        return _write_beside_libraries(config)
     chosen = _chosen(config, entrants())
     made = tables(measure_all(chosen, config.runs, config.output / "runs"))
     commits = commits_in((config.output / "runs").glob("*.json"))
@@ -93,13 +97,22 @@ def _write_on_bbob(config: StrongConfig) -> list[Path]:
 
 
 def _write_beside_pycma(config: StrongConfig) -> list[Path]:
-    folder, ground = config.output / "beside-pycma", bbob(BESIDE_PYCMA)
-    table = beside_pycma(
-        run_both(ground, BESIDE_PYCMA, config.runs, folder), BESIDE_PYCMA, ground.evaluations
-    )
+    folder, ground = config.output / "beside-pycma", bbob(BESIDE)
+    table = beside_pycma(run_both(ground, BESIDE, config.runs, folder), BESIDE, ground.evaluations)
     table.write(config.output)
     record = record_of("beside-pycma", commits_in(folder.glob("*.json")), digests_of_results([CMA_ES]))
     write_record(record, config.output)
+    return [config.output / f"{table.name}.md"]
+
+
+def _write_beside_libraries(config: StrongConfig) -> list[Path]:
+    folder, ground = config.output / "beside-libraries", bbob(BESIDE)
+    table = beside_libraries(run_all(ground, config.runs, folder), ground.evaluations)
+    table.write(config.output)
+    own = [row for row in entrants() if row.name in OURS]
+    write_record(
+        record_of("beside-libraries", commits_in(folder.glob("*.json")), _digests(own)), config.output
+    )
     return [config.output / f"{table.name}.md"]
 
 

@@ -5,7 +5,6 @@ into the bounds by a transformation, and draws smaller steps for small restarts.
 """
 
 import time
-import warnings
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,21 +15,20 @@ from scipy.stats import mannwhitneyu
 from tqdm import tqdm
 
 from experiments.statistics import holm
+from experiments.studies.libraries import run_peer
 from experiments.studies.strong.entrants import Entrant, controller_of, entrants_on_bbob
 from experiments.studies.strong.grounds import INSTANCES, NUM_FUNCTIONS, Ground
 from experiments.studies.strong.measured_gaps import Floats, file_name, kept, run_row
 from experiments.tables import Table
 from experiments.tables.cell import Entry, number
 from experiments.tables.table import Row
-from swarm_gym.problem import Problem
 from swarm_gym.reward import LEAST_GAP
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 from swarm_gym.worlds import make_problem
 
-STEP = 0.3  # first step size in ranges, the default of the optimizer here
+PYCMA = "pycma CMA-ES, BIPOP"
 SIDE_BY_SIDE = 64  # runs of the optimizer here whose speed is measured
-MOST_RESTARTS = 20
 LEVEL = 0.05  # p-values below it count
 
 
@@ -79,7 +77,12 @@ def _run(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> Both:
     ours, _ = _our_runs(row, scenario, num_runs, evaluations)  # compiles, too
     _, our_speed = _our_runs(row, scenario, SIDE_BY_SIDE, evaluations)
     problem = make_problem(scenario)
-    theirs, speeds = zip(*(_their_run(problem, seed, evaluations) for seed in TEST[:num_runs]), strict=True)
+    theirs, speeds = [], []
+    for seed in TEST[:num_runs]:
+        before = time.process_time()
+        cost = run_peer(PYCMA, problem, evaluations, seed)
+        speeds.append(cost.calls / (time.process_time() - before - cost.seconds))
+        theirs.append(cost.best)
     return Both(ours, np.array(theirs), np.array([our_speed]), np.array([np.mean(speeds)]))
 
 
@@ -89,40 +92,6 @@ def _our_runs(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> t
     before = time.process_time()
     episodes = run_row(row, controller, scenario, num_runs, evaluations)
     return episodes.final_fitness, episodes.evaluations.sum() / (time.process_time() - before)
-
-
-def _their_run(problem: Problem, seed: int, evaluations: int) -> tuple[float, float]:
-    """Return the gap after so many evaluations, and evaluations in a second without the cost function."""
-    import cma
-
-    lower, upper = problem.bounds
-    spent, best, in_cost = 0, np.inf, 0.0
-
-    def cost(members: list[Floats]) -> list[float]:
-        nonlocal spent, best, in_cost
-        before = time.process_time()
-        inside = lower + (upper - lower) * np.clip(members, 0.0, 1.0)
-        gaps = [problem.evaluate(member)[0] for member in inside]
-        best = min([best, *gaps[: max(evaluations - spent, 0)]])
-        spent += len(members)
-        in_cost += time.process_time() - before
-        return gaps
-
-    generator = np.random.default_rng(seed)
-    options = {"bounds": [0.0, 1.0], "maxfevals": evaluations, "seed": seed + 1, "verbose": -9}
-    before = time.process_time()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # on restarts
-        cma.fmin2(
-            None,
-            lambda: generator.random(problem.dimension),
-            STEP,
-            options,
-            parallel_objective=cost,
-            restarts=MOST_RESTARTS,
-            bipop=True,
-        )
-    return float(best), spent / (time.process_time() - before - in_cost)
 
 
 def beside_pycma(found: list[Both], dimension: int, evaluations: int) -> Table:

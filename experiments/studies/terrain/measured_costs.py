@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from experiments.studies.libraries import run_peer
 from experiments.studies.terrain.controllers_of_terrain import controller_of
-from experiments.studies.terrain.peers import best_flight
 from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, PeerRow, PlannedRow, Row
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
@@ -120,7 +120,8 @@ def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations
         yield min(((problem.evaluate(way)[0], way) for way in ways), key=lambda flight: flight[0])
     elif isinstance(row, PeerRow):
         for seed in TEST[:runs]:
-            yield best_flight(row.peer, problem, evaluations, seed)
+            found = run_peer(row.peer, problem, evaluations, seed)
+            yield float(found.best), found.vector
     else:
         controllers = (
             row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)

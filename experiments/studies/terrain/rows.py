@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from experiments.studies.terrain.peers import installed_peers
+from experiments.studies.libraries import installed
 
 # Population sizes, as published where papers have one; CMA-ES has its default for 20 components.
 SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20, "multivariate": 20}
@@ -21,6 +21,10 @@ VECTORS = (
     ("waypoints", "guided"),
 )
 PLANNED = "planned flight, no swarm"
+# Optimizers of other libraries, keys of `experiments.studies.libraries.PEERS`.
+PEERS = (
+    "cmaes CMA-ES", "pymoo PSO", "pymoo DE", "niapy PSO", "niapy L-SHADE", "mealpy PSO", "mealpy L-SHADE"
+)  # fmt: skip
 
 
 class Row(NamedTuple):
@@ -104,4 +108,4 @@ def swarm_rows() -> list[AnyRow]:
 
 def peer_rows() -> list[AnyRow]:
     """Return the rows of other libraries that are installed."""
-    return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in installed_peers()]
+    return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in installed(PEERS)]

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from experiments.studies.terrain.measured_costs import Asked, Floats
-from experiments.studies.terrain.peers import PEERS
-from experiments.studies.terrain.rows import PLANNED
+from experiments.studies.terrain.rows import PEERS, PLANNED
 from experiments.tables import Table
 from experiments.tables.cell import Entry, number
 

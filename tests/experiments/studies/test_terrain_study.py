@@ -7,11 +7,12 @@ import pytest
 
 from experiments import terrain as command
 from experiments.documents.records import records_in
-from experiments.studies.terrain import best_known, measured_costs, peers
+from experiments.studies import libraries
+from experiments.studies.libraries import run_peer
+from experiments.studies.terrain import best_known, measured_costs
 from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, learned_rows, rows
 from experiments.studies.terrain.measured_costs import Asked, measure
-from experiments.studies.terrain.peers import PEERS, Counted, best_flight, installed_peers
-from experiments.studies.terrain.rows import PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
+from experiments.studies.terrain.rows import PEERS, PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
 from helpers.terrains import rolling_terrain
@@ -154,27 +155,31 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
 
 
 def test_rows_of_a_library_that_is_not_installed_are_left_out(monkeypatch):
-    monkeypatch.setattr(peers, "find_spec", lambda name: None)
-    assert [peer for peer in PEERS if peer not in installed_peers()] == ["mealpy PSO", "mealpy L-SHADE"]
+    monkeypatch.setattr(libraries, "find_spec", lambda name: None)
+    assert [peer for peer in PEERS if peer not in libraries.installed(PEERS)] == [
+        "mealpy PSO",
+        "mealpy L-SHADE",
+    ]
     assert not any("mealpy" in row.name for row in rows())
 
 
-@pytest.mark.parametrize("peer", installed_peers())
+@pytest.mark.parametrize("peer", libraries.installed(PEERS))
 def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrain, tmp_path):
     row = PeerRow(peer, "waypoints")
     costs = measure(row, little_terrain, ASKED, tmp_path)
     problem = make_problem(make_scenario(little_terrain), cost="metabox")
-    cost, vector = best_flight(peer, problem, 200, TEST[0])
-    assert cost == costs[1, 0] == problem.evaluate(vector)[0]
-    assert best_flight(peer, problem, 200, TEST[1])[0] != costs[1, 0]
-    counted = Counted(problem, 200)
-    PEERS[peer](counted, 1)
-    assert counted.left == 0
+    cost = run_peer(peer, problem, 200, TEST[0])
+    assert cost.best == costs[1, 0] == problem.evaluate(cost.vector)[0]
+    assert run_peer(peer, problem, 200, TEST[1]).best != costs[1, 0]
+    assert cost.left == 0
+    assert cost.calls >= 200
 
 
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
-    assert len(rows()) == 4 * len(SIZES) + 2 * len(installed_peers()) + 3 + 6 + len(learned_rows()) + 1
+    assert (
+        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 3 + 6 + len(learned_rows()) + 1
+    )
 
 
 def test_the_command_refuses_by_name(tmp_path):
