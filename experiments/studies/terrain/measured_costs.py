@@ -120,7 +120,7 @@ def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations
         yield min(((problem.evaluate(way)[0], way) for way in ways), key=lambda flight: flight[0])
     elif isinstance(row, PeerRow):
         for seed in TEST[:runs]:
-            yield best_flight(row.peer, problem, evaluations, seed)
+            yield best_flight(row.peer, cast(TerrainProblem, problem), evaluations, seed)
     else:
         controllers = (
             row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)

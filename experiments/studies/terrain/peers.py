@@ -24,7 +24,7 @@ from pymoo.algorithms.soo.nonconvex.pso import PSO
 from pymoo.core.problem import ElementwiseProblem
 from pymoo.optimize import minimize
 
-from swarm_gym.problem import Problem
+from swarm_gym.problem import TerrainProblem
 
 Floats = NDArray[np.float64]
 Cost = Callable[[Floats], float]
@@ -46,7 +46,7 @@ class Counted:
         vector: decision vector of that cost, within the bounds of the problem.
     """
 
-    def __init__(self, problem: Problem, evaluations: int):
+    def __init__(self, problem: TerrainProblem, evaluations: int):
         self._problem = problem
         self._lower, self._upper = problem.bounds
         self.dimension = problem.dimension
@@ -58,7 +58,7 @@ class Counted:
         """Return the cost of a vector of shares of the ranges."""
         inside = np.clip(np.asarray(shares, dtype=np.float64), 0.0, 1.0)
         vector = self._lower + inside * (self._upper - self._lower)
-        cost, _ = self._problem.evaluate(vector)
+        cost = float(self._problem.costs(vector))
         if self.left > 0:
             self.left -= 1
             if cost < self.best:
@@ -148,7 +148,7 @@ def installed_peers() -> list[str]:
     return [peer for peer in PEERS if not (missing and peer.startswith(f"{OPTIONAL} "))]
 
 
-def best_flight(peer: str, problem: Problem, evaluations: int, seed: int) -> tuple[float, Floats]:
+def best_flight(peer: str, problem: TerrainProblem, evaluations: int, seed: int) -> tuple[float, Floats]:
     """Return the least cost that a peer finds, and the vector of that flight.
 
     Args:
