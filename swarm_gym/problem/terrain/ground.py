@@ -129,7 +129,7 @@ def unsure(
         table: the problem table.
         u: first point of the segment along x, in cells.
         v: first point along y, in cells.
-        z: its height.
+        z: height of the first point.
         du: way to the last point along x, in cells.
         dv: way along y, in cells.
         dz: way upwards.
