@@ -17,15 +17,17 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.problem.padding import Floats
 from swarm_gym.problem.terrain.ground import (
-    below_ground,
+    MARGIN,
     height,
     height_as_coded,
     height_of_place,
+    highest_near,
+    in_blocks,
     in_cells,
+    unsure,
 )
 from swarm_gym.problem.terrain.table import (
     ABOVE,
-    BLOCK,
     CLIMB,
     CONTACT,
     DANGER,
@@ -46,11 +48,15 @@ DEGREES = 180.0 / math.pi
 
 @kernel(inline="late", borrows=True)
 def metabox_terms(
-    table: TerrainTable, path: Floats
+    table: TerrainTable, path: Floats, measures: bool
 ) -> tuple[tuple[float, float, float, float, float, float, float], float]:
-    """Return the terms in the order of `cost.TERMS`, the last two 0, and the exact degree of collision."""
+    """Return the terms in the order of `cost.TERMS`, the last two 0, and the exact degree of collision.
+
+    Without `measures`, the degree of collision is 0: no term depends on it.
+    """
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
-    z, exact_z, collision = height_as_coded(table, x, y) + above, height(table, x, y) + above, 0.0
+    z = height_as_coded(table, x, y) + above
+    exact_z, collision = height(table, x, y) + above if measures else z, 0.0
     middle = (table.band[HIGHEST] + table.band[LOWEST]) / 2.0
     length, threats, altitude, angles = 0.0, 0.0, 0.0, 0.0
     before_x, before_y, before_level, before_rise = 0.0, 0.0, 0.0, 0.0
@@ -58,7 +64,7 @@ def metabox_terms(
     for number in range(1, table.num_waypoints + 2):
         to_x, to_y, above = waypoint(table, path, number, x, y, above)
         to_z = height_as_coded(table, to_x, to_y) + above
-        exact_to_z = height(table, to_x, to_y) + above
+        exact_to_z = height(table, to_x, to_y) + above if measures else to_z
         dx, dy, dz = to_x - x, to_y - y, to_z - z
         level = math.sqrt(dx * dx + dy * dy)
         length += math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -67,16 +73,22 @@ def metabox_terms(
         has_gap = has_gap or level == 0.0
         if number > 1 and not has_gap:
             cross, dot = abs(before_x * dy - before_y * dx), before_x * dx + before_y * dy
-            angles += _above(cross, dot, table.limits[TURN])
+            angles += _above(table, TURN, cross, dot)
             cross, dot = before_level * dz - before_rise * level, before_level * level + before_rise * dz
-            angles += _above(abs(cross), dot, table.limits[CLIMB])
-        found, inside = _threats(table, x, y, exact_z, dx, dy, exact_to_z - exact_z)
+            angles += _above(table, CLIMB, abs(cross), dot)
+        found, inside = _threats(table, x, y, exact_z, dx, dy, exact_to_z - exact_z, measures)
         threats, collision = threats + found, collision + inside
-        below = below_ground(table, x, y, exact_z, to_x, to_y, exact_to_z, 0.0, math.inf)[0]
-        if below > 0.0:
-            rise = exact_to_z - exact_z
-            collision += max(below * math.sqrt(dx * dx + dy * dy + rise * rise), LEAST_CONTACT)
-        is_clear = is_clear and _is_clear(table, x, y, z, to_x, to_y, to_z)
+        u, v = in_cells(table, x, y)
+        to_u, to_v = in_cells(table, to_x, to_y)
+        du, dv, low, rise = to_u - u, to_v - v, min(z, exact_z), exact_to_z - exact_z
+        begin, end = unsure(table, u, v, low, du, dv, min(to_z, exact_to_z) - low, 0.0, math.inf)
+        if measures and begin < end:
+            below = in_blocks(table, u, v, exact_z, du, dv, rise, 0.0, math.inf, begin, end)[0]
+            if below > 0.0:
+                collision += max(below * math.sqrt(dx * dx + dy * dy + rise * rise), LEAST_CONTACT)
+        is_clear = is_clear and _is_clear(
+            table, u + 1.0, v + 1.0, z, to_u + 1.0, to_v + 1.0, to_z, begin, end
+        )
         x, y, z, exact_z = to_x, to_y, to_z, exact_to_z
         before_x, before_y, before_level, before_rise = dx, dy, level, dz
     if has_gap:
@@ -85,18 +97,21 @@ def metabox_terms(
     return (length, threats, altitude, angles, ground, 0.0, 0.0), collision
 
 
-@kernel(inline="late")
-def _above(cross: float, dot: float, limit: float) -> float:
-    """Return an angle in degrees if it is above a limit, else 0."""
+@kernel(inline="late", borrows=True)
+def _above(table: TerrainTable, kind: int, cross: float, dot: float) -> float:
+    """Return an angle in degrees, a turn or a climb, if it is above its limit; else 0."""
+    if dot > 0.0 and cross < dot * table.tangents[kind]:
+        return 0.0
+    limit = table.limits[kind]
     angle = DEGREES * arctangent(cross, dot)
     return angle if angle > limit else 0.0
 
 
 @kernel(inline="late", borrows=True)
 def _threats(
-    table: TerrainTable, x: float, y: float, z: float, dx: float, dy: float, dz: float
+    table: TerrainTable, x: float, y: float, z: float, dx: float, dy: float, dz: float, measures: bool
 ) -> tuple[float, float]:
-    """Return what threats cost a segment, by depths and contacts, and its length inside cylinders."""
+    """Return what threats cost a segment, by depths and contacts, and its length inside cylinders or 0."""
     cost, inside = 0.0, 0.0
     for first in range(0, table.threats.shape[1], NUM_LANES):
         flags = near(table, first, x, y, dx, dy)
@@ -106,7 +121,8 @@ def _threats(
                 distance = distance_from(table, number, x, y, dx, dy, 0.0, 1.0)
                 if distance < table.threats[CONTACT, number]:
                     cost += PENALTY
-                    inside += danger_of(table, number, x, y, z, dx, dy, dz)[1]
+                    if measures:
+                        inside += danger_of(table, number, x, y, z, dx, dy, dz)[1]
                 else:
                     cost += max(table.threats[DANGER, number] - distance, 0.0)
     return cost, inside
@@ -114,44 +130,35 @@ def _threats(
 
 @kernel(inline="late", borrows=True)
 def _is_clear(
-    table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
+    table: TerrainTable,
+    u: float,
+    v: float,
+    z: float,
+    to_u: float,
+    to_v: float,
+    to_z: float,
+    begin: float,
+    end: float,
 ) -> bool:
-    """Return whether all samples of a segment lie above the ground, as the code reads it, one cell off."""
-    u, v = in_cells(table, x, y)
-    to_u, to_v = in_cells(table, to_x, to_y)
-    u, v, to_u, to_v = u + 1.0, v + 1.0, to_u + 1.0, to_v + 1.0
+    """Return whether samples of a segment lie above the ground; those outside of two shares do.
+
+    Places are in cells, one cell off, as the code reads them.
+    """
     if max(u, to_u) > table.num_columns - 1 or max(v, to_v) > table.num_rows - 1:
         return False  # there the code compares with NaN
-    if min(z, to_z) > _highest_around(table, u, v, to_u, to_v):
-        return True
-    for k in range(NUM_SAMPLES):
-        if k < NUM_SAMPLES - 1:
+    last = NUM_SAMPLES - 1
+    for k in range(math.ceil(begin * last), math.floor(end * last) + 1):
+        if k < last:
             share = float(k)
-            at_u = share * ((to_u - u) / (NUM_SAMPLES - 1)) + u
-            at_v = share * ((to_v - v) / (NUM_SAMPLES - 1)) + v
-            at_z = share * ((to_z - z) / (NUM_SAMPLES - 1)) + z
+            at_u, at_v = share * ((to_u - u) / last) + u, share * ((to_v - v) / last) + v
+            at_z = share * ((to_z - z) / last) + z
         else:
             at_u, at_v, at_z = to_u, to_v, to_z
+        if at_z > highest_near(table, at_u, at_v) + MARGIN:
+            continue
         if not at_z > height_of_place(table, at_u, at_v):
             return False
     return True
-
-
-@kernel(inline="late")
-def _highest_around(table: TerrainTable, u: float, v: float, to_u: float, to_v: float) -> float:
-    """Return the highest ground in a rectangle of blocks around a segment; infinity if they are many."""
-    last_column, last_row = table.num_columns - 2, table.num_rows - 2
-    first_column = min(int(min(u, to_u)), last_column) // BLOCK
-    final_column = min(int(max(u, to_u)), last_column) // BLOCK
-    first_row = min(int(min(v, to_v)), last_row) // BLOCK
-    final_row = min(int(max(v, to_v)), last_row) // BLOCK
-    if (final_column - first_column) * (final_row - first_row) > 2 * NUM_SAMPLES * NUM_LANES:
-        return math.inf
-    highest = -math.inf
-    for row in range(first_row, final_row + 1):
-        for column in range(first_column, final_column + 1):
-            highest = max(highest, table.blocks[1, row, column])
-    return highest
 
 
 @kernel
@@ -179,7 +186,7 @@ def _angles_across_gaps(table: TerrainTable, path: Floats) -> float:
             other += 1
         cross = steps[one, 0] * steps[other, 1] - steps[one, 1] * steps[other, 0]
         dot = steps[one, 0] * steps[other, 0] + steps[one, 1] * steps[other, 1]
-        angles += _above(abs(cross), dot, table.limits[TURN])
+        angles += _above(table, TURN, abs(cross), dot)
         climb = arctangent(steps[k, 2], math.sqrt(steps[one, 0] ** 2 + steps[one, 1] ** 2))
         next_climb = arctangent(steps[k + 1, 2], math.sqrt(steps[other, 0] ** 2 + steps[other, 1] ** 2))
         change = DEGREES * abs(next_climb - climb)

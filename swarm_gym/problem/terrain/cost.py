@@ -57,20 +57,41 @@ Terms = tuple[float, float, float, float, float, float, float]
 def evaluate(table: TerrainTable, path: Floats) -> tuple[float, float]:
     """Return fitness (minimised) and degree of collision of a flight, in metres; see `tables`."""
     if table.cost == METABOX:
-        terms, collision = metabox_terms(table, path)
+        terms, collision = metabox_terms(table, path, True)
     else:
         terms, collision = exact_terms(table, path)
+    return _weighted(terms), collision
+
+
+@kernel(inline="late")
+def _weighted(terms: Terms) -> float:
+    """Return the sum of the terms with their weights."""
     fitness = 0.0
     for k in range(len(terms)):
         fitness += WEIGHTS[k] * terms[k]
-    return fitness, collision
+    return fitness
+
+
+@entry
+def costs_entry(table: TerrainTable, vectors: Floats, path: Floats, costs: Floats) -> None:
+    """Write the fitness, (m,), of decision vectors, (m, D), for Python; `path` is workspace, (C + 1,).
+
+    No degree of collision is measured where the fitness does not depend on it.
+    """
+    for i in range(vectors.shape[0]):
+        for k in range(vectors.shape[1]):
+            path[k + 1] = vectors[i, k]
+        if table.cost == METABOX:
+            costs[i] = _weighted(metabox_terms(table, path, False)[0])
+        else:
+            costs[i] = evaluate(table, path)[0]
 
 
 @entry
 def terms_entry(table: TerrainTable, path: Floats) -> Terms:
     """Return the terms of a flight, without their weights, in the order of `TERMS`; for callers in Python."""
     if table.cost == METABOX:
-        return metabox_terms(table, path)[0]
+        return metabox_terms(table, path, False)[0]
     return exact_terms(table, path)[0]
 
 

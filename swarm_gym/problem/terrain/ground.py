@@ -2,7 +2,9 @@
 
 Between four neighbouring heights the ground is bilinear, so along a segment its height is quadratic in each
 cell. That makes the parts of a segment below the ground or outside the altitude band exact but for rounding.
-Most blocks of cells are decided by their lowest and highest ground alone.
+Most of a segment is decided without its cells. It is cut into eight equal parts, and each lies in a window of
+the map that two additions find. Where a part stays above the highest ground of its window, nothing else is
+read. Blocks of cells, with their lowest and highest ground, decide most of the rest.
 """
 
 import math
@@ -10,12 +12,15 @@ import math
 import numpy as np
 
 from swarm_gym.compiler.jit import kernel
-from swarm_gym.problem.terrain.table import BLOCK, X_MIN, Y_MIN, TerrainTable
+from swarm_gym.problem.terrain.table import BLOCK, NUM_PARTS, STEP, X_MIN, Y_MIN, TerrainTable
 
 # Share of a piece that touches the ground at least, where rounding could leave nothing of it.
 TOUCH = 1e-9
-# Metres between a flight and a limit of the band, at least, where the corners of a cell alone decide.
+# Metres between a flight and a limit of the band, at least, where the corners of a cell, or the lowest and
+# highest ground of a window, alone decide: far more than rounding of heights.
 MARGIN = 1e-6
+# Cells by which a part of a segment counts as longer at both ends: far more than rounding of places.
+SLACK = 1e-6
 
 
 @kernel(inline="late")
@@ -38,6 +43,13 @@ def height_of_place(table: TerrainTable, u: float, v: float) -> float:
     """Return the height of the ground at a point in cells, which lies on the map."""
     column, row = min(int(u), table.num_columns - 2), min(int(v), table.num_rows - 2)
     return _height_in(table, column, row, u - column, v - row)
+
+
+@kernel(inline="late")
+def highest_near(table: TerrainTable, u: float, v: float) -> float:
+    """Return the highest ground in the block of a point in cells, which lies on the map."""
+    column, row = min(int(u), table.num_columns - 2), min(int(v), table.num_rows - 2)
+    return table.blocks[1, row // BLOCK, column // BLOCK]
 
 
 @kernel(inline="late")
@@ -97,6 +109,53 @@ def _next_line(number: int, last: int, size: int, begin: float, change: float) -
 
 
 @kernel(inline="late", borrows=True)
+def unsure(
+    table: TerrainTable,
+    u: float,
+    v: float,
+    z: float,
+    du: float,
+    dv: float,
+    dz: float,
+    lowest: float,
+    highest: float,
+) -> tuple[float, float]:
+    """Return the shares of a segment between which it may leave a band of altitudes above ground.
+
+    Before the first share and after the second one it stays in the band, by `MARGIN` at least. The first is
+    above the second where the whole segment does. The same holds above ground one cell further in x and y.
+
+    Args:
+        table: the problem table.
+        u: first point of the segment along x, in cells.
+        v: first point along y, in cells.
+        z: height of the first point.
+        du: way to the last point along x, in cells.
+        dv: way along y, in cells.
+        dz: way upwards.
+        lowest: least altitude of the band.
+        highest: largest altitude of the band.
+    """
+    share, scale = 1.0 / NUM_PARTS, 1.0 / STEP
+    longest = max(abs(du), abs(dv)) * share + 4.0 * SLACK
+    level, reach = 0, float(STEP)
+    while longest > reach:
+        level, reach = level + 1, 2.0 * reach
+    # The least corner of part k is that of part 0 and k times the way of a part.
+    column, columns = (u + min(du * share, 0.0) - SLACK) * scale, du * share * scale
+    row, rows = (v + min(dv * share, 0.0) - SLACK) * scale, dv * share * scale
+    low, high, rise = z + min(dz * share, 0.0) - MARGIN, z + max(dz * share, 0.0) + MARGIN, dz * share
+    first, last = NUM_PARTS, 0
+    for k in range(NUM_PARTS):
+        i, j = int(max(row + rows * k, 0.0)), int(max(column + columns * k, 0.0))
+        is_low = low + rise * k < table.windows[1, level, i, j] + lowest
+        is_high = high + rise * k > table.windows[0, level, i, j] + highest
+        if is_low or is_high:
+            first, last = min(first, k), k + 1
+    return first * share, last * share
+
+
+@kernel(inline="late", borrows=True)
 def below_ground(
     table: TerrainTable,
     x: float,
@@ -127,11 +186,52 @@ def below_ground(
     """
     u, v = in_cells(table, x, y)
     to_u, to_v = in_cells(table, to_x, to_y)
-    du, dv, dz = to_u - u, to_v - v, to_z - z
+    begin, end = unsure(table, u, v, z, to_u - u, to_v - v, to_z - z, lowest, highest)
+    if begin >= end:
+        return 0.0, 0.0, 0.0
+    return in_blocks(table, u, v, z, to_u - u, to_v - v, to_z - z, lowest, highest, begin, end)
+
+
+@kernel(inline="late")
+def _block_at(place: float, change: float, last: int) -> int:
+    """Return the block of a place in cells; on the line between two blocks, the one behind counts."""
+    place += SLACK if change < 0.0 else (-SLACK if change > 0.0 else 0.0)
+    return min(int(max(place, 0.0)) // BLOCK, last)
+
+
+@kernel(inline="late")
+def _line_behind(number: int, last: int, begin: float, change: float) -> float:
+    """Return the share of a segment at which it comes to a strip of blocks, as `_next_line` does; or 0."""
+    if change > 0.0 and number > 0:
+        return (number * BLOCK - begin) / change
+    return ((number + 1) * BLOCK - begin) / change if change < 0.0 and number < last else 0.0
+
+
+@kernel(inline="late", borrows=True)
+def in_blocks(
+    table: TerrainTable,
+    u: float,
+    v: float,
+    z: float,
+    du: float,
+    dv: float,
+    dz: float,
+    lowest: float,
+    highest: float,
+    begin: float,
+    end: float,
+) -> tuple[float, float, float]:
+    """Measure all blocks that a segment touches between two shares; places and ways are in cells.
+
+    Returns:
+        What `below_ground` does, if the rest of the segment lies in the band.
+    """
     last_column = (table.num_columns - 2) // BLOCK
     last_row = (table.num_rows - 2) // BLOCK
-    column, row = min(int(u) // BLOCK, last_column), min(int(v) // BLOCK, last_row)
-    here, below, outside, deepest = 0.0, 0.0, 0.0, 0.0
+    column, row = _block_at(u + du * begin, du, last_column), _block_at(v + dv * begin, dv, last_row)
+    # A block behind the first one has no width: its lines are not further than those of the first.
+    here = max(_line_behind(column, last_column, u, du), _line_behind(row, last_row, v, dv), 0.0)
+    below, outside, deepest = 0.0, 0.0, 0.0
     leaves_column = _next_line(column, last_column, BLOCK, u, du)
     leaves_row = _next_line(row, last_row, BLOCK, v, dv)
     while True:
@@ -146,7 +246,7 @@ def below_ground(
                 else:
                     found = _in_cells_of_block(table, u, v, z, du, dv, dz, here, there, lowest, highest)
                     below, outside, deepest = below + found[0], outside + found[1], max(deepest, found[2])
-        if there >= 1.0:
+        if there >= end:
             return below, outside, deepest
         here = there
         if leaves_column <= leaves_row:

@@ -15,7 +15,7 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from swarm_gym.compiler.elementary import arctangent
+from swarm_gym.compiler.elementary import arctangent, sine_and_cosine
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import padded
 from swarm_gym.problem.geometry.bends import modes
@@ -32,8 +32,15 @@ SIZES = {WAYPOINTS: 2, SPHERICAL: 3, SWAPPED: 3}  # components of a waypoint
 
 # Largest climb and deviation of the heading of a spherical step, in radians.
 REACH = math.pi / 4.0
-# Cells along a side of the blocks whose lowest and highest ground is known.
+# Cells along a side of the blocks whose lowest and highest ground is known. Blocks tile the map.
 BLOCK = 8
+# Windows begin at every `STEP` cells along both sides of the map. Those of level l have STEP (1 + 2^l) cells
+# along a side, and one more, since published code reads the ground one cell off. So a part of a flight that
+# begins in the first STEP cells of a window, and is no longer than STEP 2^l, lies in it.
+STEP = 16
+# Equal parts into which segments are cut.
+NUM_PARTS = 8
+_EXTREMES = (np.minimum, np.maximum)
 # Rows of the threats of a table. A cylinder ends where it touches a drone of the scenario's size.
 CENTRE_X, CENTRE_Y, TOP, CONTACT, DANGER, SQUARED_DANGER = range(6)
 NUM_THREAT_ROWS = 6
@@ -64,11 +71,13 @@ class TerrainTable(NamedTuple, Generic[Whole, Real]):
     extent: Floats  # (4,) of the map
     band: Floats  # (2,) altitudes
     limits: Floats  # (2,) largest turn and climb in degrees
+    tangents: Floats  # (2,) tangents below which an angle is within these limits
     cell: Real  # distance between neighbouring heights
     num_rows: Whole  # heights along y
     num_columns: Whole  # heights along x
     heights: Floats  # (rows, columns)
     blocks: Floats  # (2, rows of blocks, columns of blocks) lowest and highest ground in and around a block
+    windows: Floats  # (2, levels, rows of windows, columns of windows) lowest and highest ground of windows
     threats: Floats  # (NUM_THREAT_ROWS, T) columns beyond the threats change nothing
 
 
@@ -96,11 +105,13 @@ def select(tables: TerrainTables, index: int) -> TerrainTable:
         tables.extent[index],
         tables.band[index],
         tables.limits[index],
+        tables.tangents[index],
         tables.cell[index],
         tables.num_rows[index],
         tables.num_columns[index],
         tables.heights[index],
         tables.blocks[index],
+        tables.windows[index],
         tables.threats[index],
     )
 
@@ -156,11 +167,13 @@ def tabulate(
         np.array(scenario.workspace),
         np.array(scenario.band),
         np.array([scenario.largest_turn, scenario.largest_climb]),
+        np.array([_safe_tangent(scenario.largest_turn), _safe_tangent(scenario.largest_climb)]),
         scenario.cell,
         rows,
         columns,
         scenario.heights,
         _blocks(scenario.heights),
+        _windows(scenario.heights),
         _threats(scenario),
     )
 
@@ -179,11 +192,42 @@ def plan_length(scenario: TerrainScenario) -> float:
 def _blocks(heights: Floats) -> Floats:
     """Return the lowest and the highest corner of the cells of each block, (2, block rows, block columns)."""
     found = []
-    for least in (np.minimum, np.maximum):
+    for least in _EXTREMES:
         cells = least(least(heights[:-1, :-1], heights[1:, :-1]), least(heights[:-1, 1:], heights[1:, 1:]))
         rows = least.reduceat(cells, np.arange(0, cells.shape[0], BLOCK), axis=0)
         found.append(least.reduceat(rows, np.arange(0, cells.shape[1], BLOCK), axis=1))
     return np.stack(found)
+
+
+def _windows(heights: Floats) -> Floats:
+    """Return the lowest and the highest ground of windows, (2, levels, window rows, window columns).
+
+    The last level holds the longest part of a segment on the map.
+    """
+    num_rows, num_columns = ((side - 1) // STEP + 1 for side in heights.shape)
+    reaches = [STEP]
+    while reaches[-1] * NUM_PARTS < max(heights.shape):
+        reaches.append(2 * reaches[-1])
+    found = np.empty((2, len(reaches), num_rows, num_columns))
+    for k, extreme in enumerate(_EXTREMES):
+        for level, reach in enumerate(reaches):
+            num_heights = STEP + reach + 2
+            rows = _along_first(heights, num_rows, num_heights, extreme)
+            found[k, level] = _along_first(rows.T, num_columns, num_heights, extreme).T
+    return found
+
+
+def _along_first(values: Floats, num_windows: int, num_heights: int, extreme: np.ufunc) -> Floats:
+    """Return the least or the largest rows, (num_windows, columns), in windows from every STEP-th row on."""
+    return np.stack([extreme.reduce(values[k * STEP : k * STEP + num_heights]) for k in range(num_windows)])
+
+
+def _safe_tangent(degrees: float) -> float:
+    """Return a tangent below which an angle is within a limit for certain, whatever rounding adds to it."""
+    if degrees >= 90.0:
+        return math.inf
+    sine, cosine = sine_and_cosine(math.radians(degrees))
+    return sine / cosine * (1.0 - 1e-9)
 
 
 def _threats(scenario: TerrainScenario) -> Floats:

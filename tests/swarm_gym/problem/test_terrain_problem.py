@@ -15,7 +15,8 @@ from oracles import naive_flights
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.problem.tables import draw_bend
-from swarm_gym.problem.terrain.ground import share_below
+from swarm_gym.problem.terrain.as_coded import _above
+from swarm_gym.problem.terrain.ground import below_ground, in_blocks, share_below, unsure
 from swarm_gym.scenarios import TerrainScenario
 from swarm_gym.scenarios.terrain import generated, generator
 
@@ -90,6 +91,102 @@ def test_the_share_below_zero_is_positive_where_anything_is_below(choice):
         share = below(begin, end, sag)
         assert share == pytest.approx((values < 0.0).mean(), abs=2e-3)
         assert share > 0.0 or values.min() >= -1e-15
+
+
+def segments_over(scenario, count, seed=0):
+    """Segments between points of the map, also on lines between cells, and the heights of their ends."""
+    rng = np.random.default_rng(seed)
+    rows, columns = scenario.heights.shape
+    for _ in range(count):
+        places = rng.uniform(0.0, 1.0, (2, 2)) * [columns - 1.0, rows - 1.0]
+        length = rng.choice([0.0, 0.02, 0.1, 1.0])
+        places[1] = places[0] + length * (places[1] - places[0])
+        if rng.random() < 0.3:
+            places = np.round(places / 8.0) * 8.0
+        if rng.random() < 0.2:  # along an axis
+            axis = rng.integers(2)
+            places[1, axis] = places[0, axis]
+        places = np.clip(places, 0.0, [columns - 1.0, rows - 1.0])
+        altitudes = 150.0 + rng.uniform(-1.0, 1.0, 2) * rng.choice([10.0, 60.0, 200.0])
+        heights = bilinear(scenario.heights, *places.T) + altitudes
+        yield places, heights
+
+
+@looped("band", [(0.0, math.inf), (20.0, 400.0)])
+def test_parts_of_a_segment_that_are_left_out_lie_in_the_band(band):
+    """Everywhere before the first share and after the second one, also above ground one cell further."""
+    decided = 0
+    for scenario in (rolling_terrain(3), low_threats(4), published_terrain()):
+        table, (rows, columns) = TerrainProblem(scenario).table, np.array(scenario.heights.shape) - 1.0
+        shares = np.linspace(0.0, 1.0, 401)
+        for (one, other), (z, to_z) in segments_over(scenario, 150):
+            begin, end = compiled(unsure)(table, *one, z, *(other - one), to_z - z, *band)
+            out = (shares < begin) | (shares > end) if begin < end else np.full(shares.shape, True)
+            decided += out.any()
+            for further in (0.0, 1.0):
+                u, v = ((one + shares[:, None] * (other - one)) + further).T
+                inside = out & (u <= columns) & (v <= rows)
+                if not inside.any():
+                    continue
+                ground = bilinear(scenario.heights, u[inside], v[inside])
+                above = (z + shares * (to_z - z))[inside] - ground
+                assert above.min() >= band[0]
+                assert further or above.max() <= band[1]
+    assert decided > 20
+
+
+def bilinear(heights, u, v):
+    """The ground at points in cells."""
+    column = np.minimum(u.astype(int), heights.shape[1] - 2)
+    row = np.minimum(v.astype(int), heights.shape[0] - 2)
+    u, v = u - column, v - row
+    low = heights[row, column] * (1.0 - u) + heights[row, column + 1] * u
+    return low * (1.0 - v) + (heights[row + 1, column] * (1.0 - u) + heights[row + 1, column + 1] * u) * v
+
+
+@looped("band", [(0.0, math.inf), (100.0, 200.0)])
+def test_what_is_left_out_changes_no_bit(band):
+    """All blocks of a segment give the numbers of those that may matter."""
+    found = 0
+    for scenario in (rolling_terrain(3), low_threats(4), published_terrain()):
+        table, cell = TerrainProblem(scenario).table, scenario.cell
+        origin = np.array(scenario.workspace[:2])
+        for (one, other), (z, to_z) in segments_over(scenario, 300, seed=1):
+            (x, y), (to_x, to_y) = origin + cell * one, origin + cell * other
+            u, v, to_u, to_v = ((np.array([x, y, to_x, to_y]) - np.tile(origin, 2)) / cell).tolist()
+            whole = compiled(in_blocks)(table, u, v, z, to_u - u, to_v - v, to_z - z, *band, 0.0, 1.0)
+            assert compiled(below_ground)(table, x, y, z, to_x, to_y, to_z, *band) == whole
+            found += whole[0] > 0.0
+    assert found > 50
+
+
+@looped("limit", [1e-3, 45.0, 89.999, 90.0, 135.0])
+def test_an_angle_below_its_limit_is_left_out_and_no_other(limit):
+    scenario = replace(rolling_terrain(), largest_turn=limit)
+    table, rng = TerrainProblem(scenario).table, np.random.default_rng(2)
+    near = math.radians(limit) * (
+        1.0 + np.concatenate([rng.normal(size=50) * 1e-9, rng.uniform(-1.0, 0.3, 50)])
+    )
+    for angle in [*near.tolist(), 0.0, math.pi]:
+        size = rng.uniform(0.1, 1e4)
+        cross, dot = abs(size * math.sin(angle)), size * math.cos(angle)
+        degrees = math.degrees(math.atan2(cross, dot))
+        if abs(degrees - limit) > 1e-12 * limit:
+            expected = degrees if degrees > limit else 0.0
+            assert compiled(_above)(table, 0, cross, dot) == pytest.approx(expected, rel=1e-12)
+
+
+@both_encodings
+def test_costs_of_many_vectors_are_the_fitness_of_each(encoding):
+    for cost in ("documented", "metabox"):
+        problem = TerrainProblem(low_threats(5), encoding, 10, cost)
+        vectors = np.array([*flights_of(problem, 24)])
+        fitness = [problem.evaluate(vector)[0] for vector in vectors]
+        assert problem.costs(vectors).tolist() == fitness
+        np.testing.assert_array_equal(problem.costs(vectors.reshape(4, 6, -1)), np.reshape(fitness, (4, 6)))
+        assert float(problem.costs(vectors[3])) == fitness[3]
+        refused(lambda: problem.costs(vectors[:, 1:]), "components", str(problem.dimension), error=ValueError)  # noqa: B023
+        refused(lambda: problem.costs(np.nan * vectors), "finite", error=ValueError)  # noqa: B023
 
 
 def test_costs_are_those_of_published_code():
