@@ -31,7 +31,7 @@ from pymoo.algorithms.soo.nonconvex.pso import PSO
 from pymoo.core.problem import ElementwiseProblem
 from pymoo.optimize import minimize
 
-from swarm_gym.problem import TerrainProblem
+from swarm_gym.problem import Problem
 
 Floats = NDArray[np.float64]
 Cost = Callable[[Floats], float]
@@ -56,7 +56,7 @@ class Counted:
         vector: decision vector of that cost, within the bounds of the problem.
     """
 
-    def __init__(self, problem: TerrainProblem, evaluations: int):
+    def __init__(self, problem: Problem, evaluations: int):
         self._problem = problem
         self._lower, self._upper = problem.bounds
         self.dimension = problem.dimension

@@ -23,16 +23,19 @@ RECIPES = {
         "cma-search": "learned, evolution",
         "cma-search-longer": "learned, evolution, longer",
         "cma-search-ppo": "learned, PPO",
+        "cma-search-restarts": "learned from early restarts",
         "both-search": "learned on both optimizers",
     },
     L_SHADE: {"lshade-search": "learned, evolution", "both-search": "learned on both optimizers"},
 }
-LONGEST = "cma-search-longer"
+# Recipes whose policies run blinded, too.
+BLINDED_TOO = ("cma-search-longer", "cma-search-restarts")
 # Iterations of the episodes of each recipe: the budget at its smallest size.
 ITERATIONS = {
     "cma-search": EVALUATIONS // 16,
     "cma-search-longer": EVALUATIONS // 10,
     "cma-search-ppo": EVALUATIONS // 16,
+    "cma-search-restarts": EVALUATIONS // 10,
     "both-search": EVALUATIONS // 10,
     "lshade-search": EVALUATIONS // 8,
 }
@@ -116,7 +119,7 @@ def _learned(name: str, optimizer: str) -> list[Entrant]:
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have the longest trainings
+    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have some policies
     blinded. Others have the default size, the tuned rivals and the policies alone.
     """
     size = default_size(dimension)
@@ -127,7 +130,8 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
     policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        return rows + [_blinded(one) for one in policies if one.name == f"CMA-ES, {RECIPES[CMA_ES][LONGEST]}"]
+        labels = {f"CMA-ES, {RECIPES[CMA_ES][recipe]}" for recipe in BLINDED_TOO}
+        return rows + [_blinded(one) for one in policies if one.name in labels]
     return [one for one in rows if one.controllers[0].startswith("open-loop") or one in (rows[0], *policies)]
 
 
