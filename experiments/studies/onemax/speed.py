@@ -22,7 +22,7 @@ from swarm_gym.errors import MissingExtraError
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SIZES = (100, 500, 2000, 10_000, 40_000)
-SWARMS, SECONDS, TURNS = 1024, 2.0, 3
+SWARMS, SECONDS, TURNS = 2048, 2.0, 3
 ITERATIONS = 6000  # of an episode; long strings are not solved by then, and begin again
 LARGEST = 6  # exponent of the largest lambda, 64
 _PHASES = 16  # groups of swarms that begin one after the other
