@@ -26,10 +26,11 @@ from swarm_gym.arrays import (
     integers,
     with_columns,
 )
+from swarm_gym.compiler.rows import plain_decisions, rows_within
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.scales import Scale
+from swarm_gym.scales import AsItIs, Scale
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
@@ -73,6 +74,8 @@ class Action:
         self._columns = [fields.index(name) for name in parameters]
         self._dtype = dtype
         self._smallest, self._largest = settings.min_population_size, settings.max_population_size
+        # Whether actions are a size and a repair degree as they are.
+        self._is_plain = len(self.scales) == 2 and all(isinstance(scale, AsItIs) for scale in self.scales)
 
     @cached_property
     def _low(self) -> Constant:
@@ -152,6 +155,8 @@ class Action:
             )
         numbers = floats(xp, given)
         low, high = self._low.on(xp, device), self._high.on(xp, device)
+        if xp is np:
+            return numbers, rows_within(numbers, low, high)
         within = (numbers >= low) & (numbers <= high)  # False for NaN
         return numbers, xp.all(within, axis=1)
 
@@ -181,8 +186,12 @@ class Action:
         Rows that are not chosen may hold anything.
         """
         xp = simulation.xp
-        values = xp.where(chosen[:, None], numbers, self._low.on(xp, simulation.device))
-        return self.carry_out(self.values(values, simulation), simulation)
+        if xp is np and self._is_plain:
+            sizes, degrees = plain_decisions(numbers, chosen, self._smallest, self._largest)
+            return Decisions(sizes, degrees, simulation.parameters, simulation.sources)
+        if not (xp is np and chosen.all()):
+            numbers = xp.where(chosen[:, None], numbers, self._low.on(xp, simulation.device))
+        return self.carry_out(self.values(numbers, simulation), simulation)
 
     def values(self, numbers: Floats, simulation: Simulation) -> list[Floats]:
         """Return what numbers of actions, (B, k), ask for: k arrays (B,) in natural units, not rounded."""

@@ -24,10 +24,12 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import (
+    COUNT_EVALUATIONS,
     NEED_A_BUDGET,
     NEED_AN_OPTIMUM,
     NEED_BITS,
     NEED_ROBOTS,
+    NEED_WEIGHTS,
     REWARDS,
     RewardCheck,
     Transition,
@@ -83,9 +85,12 @@ class SwarmBatch:
         self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
+        self._measures = self.settings.reward not in COUNT_EVALUATIONS
+        self._weighs = self.settings.reward in NEED_WEIGHTS or self.settings.reward not in REWARDS
         self._reward_check = None if self.settings.reward in REWARDS else RewardCheck(self.settings.reward)
         recorded = max(arrival_window, self._observation.arrival_window)
         self.simulation = simulation_class(optimizer_class, self.settings, num_swarms, num_threads, recorded)
+        self._nothing = self.simulation.full(0.0)  # what a reward does not read
         if self.settings.reward in NEED_AN_OPTIMUM:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
         if self.settings.reward in NEED_BITS + NEED_AN_OPTIMUM:
@@ -146,8 +151,8 @@ class SwarmBatch:
             self._action.refuse(numbers, refused)
         decisions = self._decide(numbers, chosen)
         evaluations = copy_of(xp, simulation.swarms.evaluations)
-        gap_before = simulation.gaps.now()
-        gap_after = simulation.step(chosen, decisions)
+        gap_before = simulation.gaps.now() if self._measures else simulation.gaps.initial
+        gap_after = simulation.step(chosen, decisions, self._measures)
         ended = chosen & ~simulation.running
         spent = simulation.swarms.evaluations - evaluations
         reward = self._reward(
@@ -155,9 +160,9 @@ class SwarmBatch:
                 initial_gap=simulation.gaps.initial,
                 gap_before=gap_before,
                 gap_after=gap_after,
-                cost=simulation.prices.cost(spent),
+                cost=simulation.prices.cost(spent) if self._measures else self._nothing,
                 ended=ended,
-                offline_weight=offline_weight(simulation),
+                offline_weight=offline_weight(simulation) if self._weighs else self._nothing,
                 optimality_gap=simulation.gaps.optimality,
                 detour=simulation.detours,
                 evaluations=spent,
@@ -210,6 +215,9 @@ class SwarmBatch:
         simulation = self.simulation
         xp, device = simulation.xp, simulation.device
         found = self._observation.observe(simulation)
+        if xp is np:  # in place, since it is a new array
+            np.maximum(found, self.observation_space.low, out=found)
+            return np.minimum(found, self.observation_space.high, out=found)
         return xp.minimum(xp.maximum(found, self._low.on(xp, device)), self._high.on(xp, device))
 
     def observe_last(self) -> NDArray:

@@ -25,6 +25,7 @@ from swarm_gym.population import (
     MEAN_COLLISION,
     POPULATION_COLLISION,
 )
+from swarm_gym.problem.onemax.table import OneMaxTable, count_ones
 from swarm_gym.scenarios.onemax import SIZES
 from swarm_gym.simulation import Simulation
 from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH
@@ -244,6 +245,9 @@ def _ones(simulation: Simulation) -> Floats:
     """Return (B,) numbers of ones; all before the first reset."""
     zeros = simulation.swarms.best_fitness
     xp = simulation.xp
+    tables = simulation.worlds.tables
+    if xp is np and isinstance(tables, OneMaxTable):
+        return count_ones(tables.size, simulation.swarms.problem, zeros)
     return simulation.lengths() - xp.where(xp.isfinite(zeros), zeros, 0.0)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import namespace_of
-from swarm_gym.compiler.jit import entry
+from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.population import POPULATION_COLLISION, Swarms
+from swarm_gym.population import POPULATION_COLLISION, Swarms, feasible_fitness_of, is_spent
 from swarm_gym.settings import Settings
 from swarm_gym.sources import SOURCE_DECISIONS
 
@@ -89,21 +89,62 @@ def _record_chosen(
     parameters: Floats,
 ) -> None:
     """Do what `record` does, on NumPy arrays."""
-    last = _NUM_COLUMNS + parameters.shape[1]
     for b in range(chosen.shape[0]):
         if chosen[b]:
-            row = history[b, swarms.iteration[b]]
-            row[COLUMN.population_collision] = swarms.summary[b, POPULATION_COLLISION]
-            row[COLUMN.population_size] = swarms.size[b]
-            row[COLUMN.repair_degree] = repair_degrees[b]
-            row[COLUMN.best_fitness] = swarms.best_fitness[b]
-            row[COLUMN.evaluations] = swarms.evaluations[b]
-            row[COLUMN.best_collision] = swarms.best_collision[b]
-            row[COLUMN.feasible_fitness] = feasible_fitness[b]
-            for k in range(_NUM_COLUMNS, last):
-                row[k] = parameters[b, k - _NUM_COLUMNS]
-            for k in range(last, row.shape[0]):
-                row[k] = swarms.source[b, k - last]
+            _record_swarm(history, b, swarms, feasible_fitness[b], repair_degrees[b], parameters)
+
+
+@kernel(borrows=True)
+def _record_swarm(
+    history: Floats, b: int, swarms: Swarms, feasible_fitness: float, repair_degree: float, parameters: Floats
+) -> None:
+    """Write the present state of swarm `b`, see `record`."""
+    last = _NUM_COLUMNS + parameters.shape[1]
+    row = history[b, swarms.iteration[b]]
+    row[COLUMN.population_collision] = swarms.summary[b, POPULATION_COLLISION]
+    row[COLUMN.population_size] = swarms.size[b]
+    row[COLUMN.repair_degree] = repair_degree
+    row[COLUMN.best_fitness] = swarms.best_fitness[b]
+    row[COLUMN.evaluations] = swarms.evaluations[b]
+    row[COLUMN.best_collision] = swarms.best_collision[b]
+    row[COLUMN.feasible_fitness] = feasible_fitness
+    for k in range(_NUM_COLUMNS, last):
+        row[k] = parameters[b, k - _NUM_COLUMNS]
+    for k in range(last, row.shape[0]):
+        row[k] = swarms.source[b, k - last]
+
+
+@entry
+def end_iteration(
+    history: Floats,
+    chosen: Flags,
+    swarms: Swarms,
+    running: Flags,
+    targets: Floats,
+    repair_degrees: Floats,
+    parameters: Floats,
+) -> None:
+    """Count an iteration of the chosen swarms, record it, and end episodes; no event follows on it.
+
+    Args:
+        history: (B, iterations + 1, columns) array that is written.
+        chosen: (B,) swarms that have been advanced.
+        swarms: the swarms; their `iteration` is written.
+        running: (B,) whether an episode is under way, which is written.
+        targets: (problems,) fitness at which an episode ends.
+        repair_degrees: (B,) phi of the iteration.
+        parameters: (B, n) parameters of the optimizer in the iteration.
+    """
+    for b in range(chosen.shape[0]):
+        if chosen[b]:
+            swarms.iteration[b] += 1
+            _record_swarm(history, b, swarms, feasible_fitness_of(swarms, b), repair_degrees[b], parameters)
+            if (
+                swarms.iteration[b] >= swarms.iterations[b]
+                or is_spent(swarms, b)
+                or swarms.best_fitness[b] <= targets[swarms.problem[b]]
+            ):
+                running[b] = False
 
 
 def forget(history: Floats, rows: Integers, swarms: Swarms) -> None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import divided, namespace_of
 from swarm_gym.compiler.elementary import exp, log
+from swarm_gym.compiler.rows import gaps_above
 from swarm_gym.population import Swarms
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import Worlds
@@ -38,6 +39,8 @@ class Gaps:
     def of(self, fitness: Floats) -> Floats:
         """Return (B,) fitness values (B,) minus the lower bounds; positive, so that they have logarithms."""
         worlds, problem, xp = self._worlds, self._swarms.problem, namespace_of(fitness)
+        if xp is np:
+            return gaps_above(fitness, problem, worlds.lower_bounds, worlds.gap_units)
         return xp.maximum(fitness - worlds.lower_bounds[problem], 1e-9 * worlds.gap_units[problem])
 
     def now(self) -> Floats:

@@ -115,12 +115,13 @@ class Workspace(NamedTuple):
 
     path: Floats  # (C + 1,) a zero for the start, then the position of a member
     noise: Floats  # (C,)
+    numbers: Floats  # (F,) as many as a swarm stores for the cells of a map; their values are arbitrary
 
 
 @kernel
-def make_workspace(num_columns: int) -> Workspace:
-    """Return scratch arrays for positions of C columns."""
-    return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
+def make_workspace(num_columns: int, num_numbers: int = 0) -> Workspace:
+    """Return scratch arrays for positions of C columns, and F further numbers."""
+    return Workspace(np.zeros(num_columns + 1), np.empty(num_columns), np.empty(num_numbers))
 
 
 @kernel(borrows=True)
@@ -134,6 +135,17 @@ def clear_workspace(work: Workspace) -> None:
 def is_spent(swarms: Swarms, b: int) -> bool:
     """Return whether the evaluation budget of swarm `b` is spent."""
     return swarms.evaluations[b] >= swarms.budget[b]
+
+
+@kernel(borrows=True)
+def feasible_fitness_of(swarms: Swarms, b: int) -> float:
+    """Return the fitness of the best feasible path of swarm `b`; NaN where there is none.
+
+    Walks keep no other path than the best by fitness.
+    """
+    if swarms.walk.shape[1] > 0:
+        return swarms.best_fitness[b] if swarms.best_collision[b] <= FEASIBILITY_TOLERANCE else math.nan
+    return swarms.feasible_fitness[b] if math.isfinite(swarms.feasible_fitness[b]) else math.nan
 
 
 @kernel(borrows=True)

@@ -225,6 +225,10 @@ REWARDS: dict[str, Reward] = {
 NEED_AN_OPTIMUM = ("optimality", "offline-error")
 # Rewards that need robots that drive in all scenarios.
 NEED_ROBOTS = ("detour",)
+# Rewards that need the weights of iterations, as those of own code may; for the others, these are 0.
+NEED_WEIGHTS = ("offline-error",)
+# Rewards that read neither gaps nor costs, which are not computed for them.
+COUNT_EVALUATIONS = ("runtime",)
 # Rewards that need bit strings.
 NEED_BITS = ("runtime",)
 # Rewards that need a budget of evaluations.

@@ -4,7 +4,8 @@ Everything here but the compiled kernels works on the arrays of any library, see
 subclass with other arrays defines is listed at `Simulation`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 from typing import ClassVar, NamedTuple
 
 import numba
@@ -15,7 +16,7 @@ from swarm_gym.arrays import Namespace, as_numpy, assign, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.history import columns_of, forget, record
+from swarm_gym.history import columns_of, end_iteration, forget, record
 from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
@@ -106,6 +107,7 @@ class Simulation:
         self.prices = Prices(self.place(np.zeros(num_swarms)), settings)
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
         self.sources = self.place(np.tile(settings.new_members.decisions, (num_swarms, 1)))
+        self._begun_otherwise = False  # whether a first population had another source than these
         self.swarms.iterations[:] = settings.iterations
         self.robots = make_robots(self.worlds, settings, optimizer, self.swarms, self.xp)
         self._anything_happens |= self.robots is not None
@@ -191,6 +193,7 @@ class Simulation:
         if population is not None:
             given = np.asarray(population, dtype=self.number)
             swarms.positions[rows, :size, : self.dimension] = place(given)
+        self._begun_otherwise |= source.decisions != self.settings.new_members.decisions
         swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
         forget(self.history, rows, swarms)
         self.iteration[rows] = 0
@@ -216,13 +219,22 @@ class Simulation:
             self.swarms, self.worlds.tables, chosen, sizes, mean_weight, given, parameters
         )
 
-    def step(self, chosen: Flags, decisions: Decisions) -> Floats:
+    def step(self, chosen: Flags, decisions: Decisions, measured: bool = True) -> Floats:
         """Advance the chosen swarms by one iteration as decided, and apply the events that follow it.
 
+        Args:
+            chosen: (B,) swarms to advance.
+            decisions: decisions on all swarms.
+            measured: whether gaps are asked for.
+
         Returns:
-            (B,) the gap after the iteration, before any event.
+            (B,) the gap after the iteration, before any event; anything if it is not asked for.
         """
-        assign(self.xp, self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, chosen[:, None])
+        if decisions.sources is not self.sources or self._begun_otherwise:
+            assign(self.xp, self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, chosen[:, None])
+        if self.xp is np and not self._anything_happens:
+            self._advance(chosen, decisions, partial(self._end_iteration, decisions))
+            return self.gaps.now() if measured else self.gaps.initial
         self.advance(chosen, decisions)
         self.iteration += chosen
         reached, ended = self.gaps.now(), self._ended()
@@ -233,6 +245,12 @@ class Simulation:
         self.running &= ~(chosen & ended)
         return reached
 
+    def _end_iteration(self, decisions: Decisions, part: Flags) -> None:
+        """Count, record and end an iteration of a thread's swarms, (B,), without events, in one call."""
+        targets = self.worlds.targets
+        phi, parameters = decisions.repair_degrees, decisions.parameters
+        end_iteration(self.history, part, self.swarms, self.running, targets, phi, parameters)
+
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """Advance the chosen swarms by one iteration, by the compiled kernels.
 
@@ -240,6 +258,10 @@ class Simulation:
             chosen: (B,) swarms to advance; `step` has written their sources and counts the iteration.
             decisions: decisions on all swarms; those on other swarms than the chosen may be anything.
         """
+        self._advance(chosen, decisions, None)
+
+    def _advance(self, chosen: Flags, decisions: Decisions, then: Callable[[Flags], None] | None) -> None:
+        """Do what `advance` does, and let each thread call a function at last, see `Optimizer.step`."""
         self.optimizer.step(
             self.swarms,
             self.worlds.tables,
@@ -249,6 +271,7 @@ class Simulation:
             decisions.parameters,
             self.settings.mean_weight,
             self.num_threads,
+            then,
         )
 
     def _let_happen(self, going: Flags) -> None:
@@ -335,7 +358,13 @@ class Simulation:
             UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
         """
+        if options is None:
+            return self._usual_beginning
         return read_reset_options(options, self.settings, self.optimizer, self.worlds)
+
+    @cached_property
+    def _usual_beginning(self) -> Beginning:
+        return read_reset_options(None, self.settings, self.optimizer, self.worlds)
 
     def _record(self, chosen: Flags, repair_degrees: Floats, parameters: Floats) -> None:
         """Write the present state of the chosen swarms, (B,), into `history`."""

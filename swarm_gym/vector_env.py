@@ -167,11 +167,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     ) -> None:
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)
-        seeds = self._read_seeds(seed)
         rows = np.flatnonzero(as_numpy(chosen))
-        self._seeds.begin({row: one for row in rows.tolist() if (one := seeds[row]) is not None})
+        first = None
+        if seed is not None:
+            seeds = self._read_seeds(seed)
+            self._seeds.begin({row: one for row in rows.tolist() if (one := seeds[row]) is not None})
+            first = seeds[0]
         if isinstance(self._batch, CorrectedBatch) and chosen.all():
-            self._batch.reset_base(seeds[0])
+            self._batch.reset_base(first)
         self._batch.reset(chosen, self._seeds.next_of(rows), options)
         self._ended &= self.simulation.place(~chosen)
 
@@ -300,9 +303,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             raise SettingError(f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}")
         return mask
 
-    def _read_seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
-        if seed is None:
-            return [None] * self.num_envs
+    def _read_seeds(self, seed: int | list[int | None]) -> list[int | None]:
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
         is_list = isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes)

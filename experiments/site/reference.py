@@ -76,7 +76,7 @@ PAGES = {
             "swarm_gym.compiler.jit": ("kernel", "entry"),
             "swarm_gym.optimizers.loop": (
                 "Kernels", "draw_population", "resize_population", "adopt_population",
-                "re_evaluate_population",
+                "re_evaluate_population", "summarise_population",
             ),
             "swarm_gym.population": (
                 "Swarms", "Workspace", "evaluate_member", "evaluate_path", "is_spent", "span",

@@ -6,6 +6,7 @@ swarm, never in objects. So environments can be copied and pickled, and swarms c
 """
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -104,6 +105,7 @@ class LibraryOptimizer(Optimizer, Generic[OwnParameters]):
         parameters: Floats,
         mean_weight: float,
         num_threads: int = 1,
+        then: Callable[[Flags], None] | None = None,
     ) -> None:
         """Resize the chosen swarms and advance them by one iteration, one after the other."""
         rows = np.flatnonzero(chosen).tolist()
@@ -123,6 +125,8 @@ class LibraryOptimizer(Optimizer, Generic[OwnParameters]):
             else:
                 swarms.registers[row, KNOWN] = swarms.size[row]
             summarise(swarms, row, mean_weight)
+        if then is not None:
+            then(chosen)
 
     @classmethod
     def re_evaluate(

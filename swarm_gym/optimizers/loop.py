@@ -70,6 +70,12 @@ def re_evaluate_population(
     recall(swarms, b, table, work, best)
 
 
+@kernel(borrows=True)
+def summarise_population(_parameters: Parameters, swarms: Swarms, b: int, mean_weight: float) -> None:
+    """Write E(P) and other statistics of swarm `b` into its summary."""
+    summarise(swarms, b, mean_weight)
+
+
 class Kernels(NamedTuple):
     """The kernels of an optimizer, which work on one swarm.
 
@@ -84,6 +90,8 @@ class Kernels(NamedTuple):
         change_size: (..., size) grows or shrinks a population, see `resize_population`.
         re_evaluate: (...) evaluates again all that a swarm remembers, members first, see
             `re_evaluate_population`; the budget suffices for at least one evaluation.
+        summarise: (parameters, swarms, b, mean_weight) writes the statistics of a population that
+            controllers see, see `summarise_population`.
     """
 
     iterate: Callable[..., None]
@@ -91,11 +99,12 @@ class Kernels(NamedTuple):
     adopt: Callable[..., None] = adopt_population
     change_size: Callable[..., None] = resize_population
     re_evaluate: Callable[..., None] = re_evaluate_population
+    summarise: Callable[..., None] = summarise_population
 
 
 _BY_CLASS: dict[str, dict[type, Callable[..., None]]] = {name: {} for name in Kernels._fields}
 
-iterate, begin, adopt, change_size, re_evaluate = (
+iterate, begin, adopt, change_size, re_evaluate, summarise_swarm = (
     kernel_by_class(_BY_CLASS[name]) for name in Kernels._fields
 )
 
@@ -138,7 +147,7 @@ def begin_chosen(
             clear(swarms, b)
             begin(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
             forget_arrivals(swarms.arrivals[b])
-            summarise(swarms, b, mean_weight)
+            summarise_swarm(defaults, swarms, b, mean_weight)
 
 
 @entry
@@ -162,7 +171,7 @@ def adopt_chosen(
             clear(swarms, b)
             adopt(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
             forget_arrivals(swarms.arrivals[b])
-            summarise(swarms, b, mean_weight)
+            summarise_swarm(defaults, swarms, b, mean_weight)
 
 
 @entry
@@ -182,7 +191,7 @@ def step_chosen(
 
     The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
     """
-    work = make_workspace(swarms.positions.shape[2])
+    work = make_workspace(swarms.positions.shape[2], swarms.field.shape[1])
     for b in range(sizes.shape[0]):
         if chosen[b]:
             table = select(tables, swarms.problem[b])
@@ -193,7 +202,7 @@ def step_chosen(
                 change_size(own, swarms, b, table, work, num_staying(swarms, b, sizes[b]))
             change_size(own, swarms, b, table, work, sizes[b])
             iterate(own, swarms, b, table, work, repair_degrees[b])
-            summarise(swarms, b, mean_weight)
+            summarise_swarm(defaults, swarms, b, mean_weight)
 
 
 @entry
@@ -209,4 +218,4 @@ def re_evaluate_chosen(
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
             re_evaluate(defaults, swarms, b, table, work)
-            summarise(swarms, b, mean_weight)
+            summarise_swarm(defaults, swarms, b, mean_weight)

@@ -14,8 +14,9 @@ On OneMax only counts matter: of l flipped bits, g were zero, which is hypergeom
 Bin(g, c) of these and Bin(l - g, c) of the others. So strings need not be kept. The best of lambda_m mutants
 is drawn at once, from the power of the distribution function, and an iteration takes O(lambda_m + lambda_c).
 
-A swarm keeps the distribution of the strength for as long as its rate stays. Its field has that distribution,
-and room for other weights, so that an iteration allocates no array and counts no reference to one.
+A swarm keeps the distribution of the strength for as long as its rate stays. Its field has that distribution.
+Other weights lie in scratch arrays, so that an iteration allocates no array and touches little memory of a
+swarm: with thousands of swarms, most time would be spent on waiting for memory.
 """
 
 import math
@@ -30,13 +31,14 @@ from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, choice
-from swarm_gym.population import Swarms, Workspace, evaluate_member
+from swarm_gym.population import FEASIBLE_SHARE, NUM_SUMMARIES, Swarms, Workspace, evaluate_member
 from swarm_gym.problem.onemax.table import OneMaxTable
 from swarm_gym.problem.onemax.weights import (
+    LEAST_REACH,
     TINY,
+    add_up,
     fill_binomial,
     find_sum,
-    find_weight,
     power,
     sum_of,
     window_length,
@@ -46,7 +48,8 @@ from swarm_gym.problem.tables import Tables
 Floats = NDArray[np.float64]
 
 # Columns of a swarm's field: length and rate that the distribution of the strength is kept for, its first
-# number and how many there are; then three parts of equal length: sums of its weights, and other weights.
+# number and how many there are; then the sums of its weights, and room for as many again. The scratch array
+# of an iteration, as long, has two parts of equal length for other weights.
 _SIZE, _RATE, _FIRST, _COUNT, _SUMS = range(5)
 
 
@@ -101,7 +104,8 @@ def iterate(
     repair_degree: float,  # noqa: ARG001
 ) -> None:
     """Advance swarm `b` by one mutation phase and one crossover phase, as far as the budget lasts."""
-    ones, size = int(swarms.positions[b, 0, 0]), table.size
+    size = table.size
+    ones = size - int(swarms.best_fitness[b])  # of the parent, which is the best so far
     left = swarms.budget[b] - swarms.evaluations[b]
     if ones >= size or left <= 0:
         return
@@ -115,42 +119,45 @@ def iterate(
     fill_uniform(swarms.stream[b], work.noise)
     field = swarms.field[b]
     flips = _draw_strength(field, size, mutation, work.noise[0])
-    good = _draw_best(field, size, size - ones, flips, mutants, work.noise[1])
+    good = _draw_best(work.numbers, size, size - ones, flips, mutants, work.noise[1])
     gain, counted = _cross(
         swarms, b, work, good, flips - good, crossover, children, left - mutants, parameters.counting == 0.0
     )
-    swarms.evaluations[b] += mutants + counted - 1  # `evaluate_member` counts the last one
-    work.path[1] = ones + max(gain, 0)
-    evaluate_member(swarms, b, 0, table, work)
-    _copy_first(swarms, b)
+    swarms.evaluations[b] += mutants + counted
+    if gain > 0:  # else the parent stays, or a string of as many ones replaces it
+        swarms.evaluations[b] -= 1  # which `evaluate_member` counts
+        work.path[1] = ones + gain
+        evaluate_member(swarms, b, 0, table, work)
+        _copy_first(swarms, b, 1)
 
 
 @kernel(borrows=True)
 def _draw_strength(field: Floats, size: int, rate: float, share: float) -> int:
     """Return how many bits a mutant flips: Bin(n, rate), given that it is not 0, at this share in [0, 1)."""
-    sums = field[_SUMS : _SUMS + window_length(size * rate * (1.0 - rate), size)]
     if field[_SIZE] != size or field[_RATE] != rate:
+        sums = field[_SUMS : _SUMS + window_length(size * rate * (1.0 - rate), size)]
         first, count = fill_binomial(size, rate, sums)
         if first == 0:
             sums[0] = 0.0
-        for k in range(1, count):
-            sums[k] += sums[k - 1]
+        add_up(sums, count)
         field[_SIZE], field[_RATE], field[_FIRST], field[_COUNT] = size, rate, first, count
     else:
         first, count = int(field[_FIRST]), int(field[_COUNT])
+        sums = field[_SUMS : _SUMS + count]
     if count == 1:  # a rate so low that nothing but 0 is left in the window, or one of 1
         return max(first, 1)
     return max(first + find_sum(sums, count, share * sums[count - 1]), 1)
 
 
 @kernel(borrows=True)
-def _draw_best(field: Floats, size: int, zeros: int, flips: int, mutants: int, share: float) -> int:
+def _draw_best(scratch: Floats, size: int, zeros: int, flips: int, mutants: int, share: float) -> int:
     """Return the most zeros that one of the mutants flips, at this share in [0, 1) of its distribution."""
     lowest, highest = max(0, flips - (size - zeros)), min(flips, zeros)
     rest = size - zeros - flips
-    variance = flips * (zeros / size) * (1.0 - zeros / size)
-    begin = _SUMS + _room(field)
-    weights = field[begin : begin + window_length(variance, highest - lowest)]
+    length = 2 * (highest - lowest) + 1
+    if highest - lowest > LEAST_REACH:
+        length = window_length(flips * (zeros / size) * (1.0 - zeros / size), highest - lowest)
+    weights = scratch[:length]
     mode = int((flips + 1.0) * (zeros + 1.0) / (size + 2.0))
     mode = min(max(mode, lowest), highest)
     reach, first, weight = (weights.shape[0] - 1) // 2, mode, 1.0
@@ -196,39 +203,33 @@ def _cross(
         left: evaluations that may be counted.
         copies_free: whether children that equal parent or mutant are not counted.
     """
-    field, begin, room = swarms.field[b], _SUMS + _room(swarms.field[b]), _room(swarms.field[b])
-    of_good = field[begin : begin + window_length(good * rate * (1.0 - rate), good)]
-    of_bad = field[begin + room : begin + room + window_length(bad * rate * (1.0 - rate), bad)]
+    room = work.numbers.shape[0] // 2
+    of_good = work.numbers[: window_length(good * rate * (1.0 - rate), good)]
+    of_bad = work.numbers[room : room + window_length(bad * rate * (1.0 - rate), bad)]
     first_good, num_good = fill_binomial(good, rate, of_good)
     first_bad, num_bad = fill_binomial(bad, rate, of_bad)
-    total_good, total_bad = sum_of(of_good, num_good), sum_of(of_bad, num_bad)
+    total_good, total_bad = add_up(of_good, num_good), add_up(of_bad, num_bad)
     gain, counted, at = good - bad, 0, work.noise.shape[0]
     for _ in range(children):
         if at >= work.noise.shape[0]:
             fill_uniform(swarms.stream[b], work.noise)
             at = 0
-        taken = first_good + find_weight(of_good, num_good, float(work.noise[at]) * total_good)
-        spoilt = first_bad + find_weight(of_bad, num_bad, float(work.noise[at + 1]) * total_bad)
+        taken = first_good + find_sum(of_good, num_good, float(work.noise[at]) * total_good)
+        spoilt = first_bad + find_sum(of_bad, num_bad, float(work.noise[at + 1]) * total_bad)
         at += 2
-        is_copy = taken + spoilt == 0 or (taken == good and spoilt == bad)
-        if not (copies_free and is_copy):
-            if counted == left:
-                break
-            counted += 1
+        is_copy = (taken + spoilt == 0) | ((taken == good) & (spoilt == bad))
+        counts = 1 - int(copies_free & is_copy)  # without a branch, which would be guessed wrong
+        if counted + counts > left:
+            break
+        counted += counts
         gain = max(gain, taken - spoilt)
     return gain, counted
 
 
 @kernel(borrows=True)
-def _room(field: Floats) -> int:
-    """Return the length of each of the three parts of a field."""
-    return (field.shape[0] - _SUMS) // 3
-
-
-@kernel(borrows=True)
-def _copy_first(swarms: Swarms, b: int) -> None:
-    """Let all members of swarm `b` be the parent, which is the only string that is kept."""
-    for i in range(1, swarms.size[b]):
+def _copy_first(swarms: Swarms, b: int, first: int) -> None:
+    """Let the members of swarm `b`, from the `first` on, be the parent: the only string that is kept."""
+    for i in range(first, swarms.size[b]):
         swarms.positions[b, i, 0] = swarms.positions[b, 0, 0]
         swarms.fitness[b, i] = swarms.fitness[b, 0]
         swarms.collision[b, i] = 0.0
@@ -247,7 +248,7 @@ def begin(
     swarms.size[b] = size
     work.path[1] = table.start
     evaluate_member(swarms, b, 0, table, work)
-    _copy_first(swarms, b)
+    _copy_first(swarms, b, 1)
 
 
 @kernel(borrows=True)
@@ -260,8 +261,19 @@ def change_size(
     size: int,
 ) -> None:
     """Let the next iteration have this many mutants."""
+    before = swarms.size[b]
     swarms.size[b] = size
-    _copy_first(swarms, b)
+    _copy_first(swarms, b, before)
+
+
+@kernel(borrows=True)
+def summarise(
+    _parameters: OnePlusLambdaLambdaParameters, swarms: Swarms, b: int, _mean_weight: float
+) -> None:
+    """Write the statistics of members that are all the same and feasible."""
+    for k in range(NUM_SUMMARIES):
+        swarms.summary[b, k] = 0.0
+    swarms.summary[b, FEASIBLE_SHARE] = 1.0
 
 
 class OnePlusLambdaLambda(Optimizer):
@@ -282,10 +294,10 @@ class OnePlusLambdaLambda(Optimizer):
         "observation": "theory",
         "reward": "runtime",
     }
-    kernels = loop.Kernels(iterate, begin=begin, change_size=change_size)
+    kernels = loop.Kernels(iterate, begin=begin, change_size=change_size, summarise=summarise)
 
     @staticmethod
     def field_size(tables: Tables) -> int:
-        """Return how many numbers a swarm keeps for its distributions, of the longest of these strings."""
+        """Return how many numbers a swarm keeps and how long scratch arrays are, for the longest string."""
         assert isinstance(tables, OneMaxTable)
-        return _SUMS + 3 * max(window_length(size / 4.0, size) for size in np.ravel(tables.size).tolist())
+        return _SUMS + 2 * max(window_length(size / 4.0, size) for size in np.ravel(tables.size).tolist())

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -89,6 +90,7 @@ class Optimizer:
         parameters: NDArray[np.float64],
         mean_weight: float,
         num_threads: int = 1,
+        then: Callable[[Flags], None] | None = None,
     ) -> None:
         """Resize the chosen swarms and advance them by one iteration.
 
@@ -101,12 +103,15 @@ class Optimizer:
             parameters: (B, number of parameters), in the order of the fields of `parameter_class`.
             mean_weight: k of eq. 7.
             num_threads: number of threads that share the swarms; results do not depend on it.
+            then: function that each thread calls at last, with the flags (B,) of its swarms.
         """
 
         def run(part: Flags) -> None:
             loop.step_chosen(
                 cls.defaults, swarms, tables, part, sizes, repair_degrees, parameters, mean_weight
             )
+            if then is not None:
+                then(part)
 
         spread(run, chosen, num_threads)
 
@@ -213,8 +218,9 @@ def spread(run: Callable[[Flags], None], chosen: Flags, num_threads: int) -> Non
         run(chosen)
         return
     parts = np.zeros((num_parts, len(chosen)), dtype=np.bool_)
-    for part, share in zip(parts, np.array_split(rows, num_parts), strict=True):
-        part[share] = True
+    edges = [0, *(rows[k * len(rows) // num_parts] for k in range(1, num_parts)), len(chosen)]
+    for part, (first, last) in zip(parts, pairwise(edges), strict=True):
+        part[first:last] = chosen[first:last]
     others = [_pool(os.getpid(), num_threads - 1).submit(run, part) for part in parts[1:]]
     try:
         run(parts[0])

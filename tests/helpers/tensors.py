@@ -23,9 +23,9 @@ class TensorSimulation(Simulation):
     device = torch.device("cpu")
     decided = None
 
-    def step(self, chosen, decisions):
+    def step(self, chosen, decisions, measured=True):
         self.decided = decisions
-        return super().step(chosen, decisions)
+        return super().step(chosen, decisions, measured)
 
     def begin(self, chosen, size, given):
         sizes = np.full(self.num_swarms, size)
@@ -55,13 +55,13 @@ class Follower(Simulation):
 
     leader = None
 
-    def step(self, chosen, decisions):
+    def step(self, chosen, decisions, measured=True):
         rows = np.flatnonzero(chosen)
         theirs = Decisions._make(as_numpy(part) for part in self.leader.decided)
         for mine, other in zip(decisions, theirs, strict=True):
             assert mine.dtype == other.dtype
             np.testing.assert_allclose(other[rows], mine[rows], rtol=1e-12)
-        return super().step(chosen, theirs)
+        return super().step(chosen, theirs, measured)
 
 
 class Questions(TorchDispatchMode):

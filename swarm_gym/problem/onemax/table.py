@@ -4,7 +4,7 @@ from typing import Generic, NamedTuple
 
 import numpy as np
 
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.problem.padding import Floats, Integers, Whole, pad
 from swarm_gym.scenarios import OneMaxScenario
 
@@ -28,6 +28,21 @@ def tabulate(scenario: OneMaxScenario) -> OneMaxTable:
     """Return the problem table of a scenario."""
     lower, upper, start = (pad(np.array([float(k)])) for k in (0, scenario.size, scenario.start))
     return OneMaxTable(1, scenario.size, scenario.start, lower, upper, start, start)
+
+
+@entry
+def count_ones(sizes: Integers, problem: Integers, zeros: Floats) -> Floats:
+    """Return (B,) numbers of ones of swarms on these problems, (B,), by their numbers of zeros, (B,).
+
+    Args:
+        sizes: (problems,) lengths of the strings.
+        problem: (B,) numbers of the problems.
+        zeros: (B,) numbers of zeros; infinite before the first reset, which counts as none.
+    """
+    ones = np.empty(problem.shape[0])
+    for b in range(problem.shape[0]):
+        ones[b] = sizes[problem[b]] - (zeros[b] if np.isfinite(zeros[b]) else 0.0)
+    return ones
 
 
 @kernel

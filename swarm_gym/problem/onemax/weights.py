@@ -21,6 +21,8 @@ _BLOCK = 8  # sums that a search leaves out at once
 @kernel(borrows=True)
 def window_length(variance: float, most: int) -> int:
     """Return the length of an array for the window around a mode; `most` + 1 numbers are possible."""
+    if most <= LEAST_REACH:
+        return 2 * most + 1
     return min(2 * (int(REACH * math.sqrt(variance)) + LEAST_REACH) + 1, 2 * most + 1)
 
 
@@ -60,25 +62,28 @@ def sum_of(weights: Floats, count: int) -> float:
 
 
 @kernel(borrows=True)
-def find_weight(weights: Floats, count: int, share: float) -> int:
-    """Return the first index at which the sum of the first weights exceeds a share of their total."""
-    below = 0.0
-    for k in range(count - 1):
-        below += weights[k]
-        if share < below:
-            return k
-    return count - 1
+def add_up(weights: Floats, count: int) -> float:
+    """Let each of the first weights be the sum of those up to it, and return the last sum."""
+    total = 0.0
+    for k in range(count):
+        total += weights[k]
+        weights[k] = total
+    return total
 
 
 @kernel(borrows=True)
 def find_sum(sums: Floats, count: int, share: float) -> int:
-    """Return the first index at which one of the sums, which do not fall, exceeds a share of the last."""
+    """Return the first index at which one of the sums, which do not fall, exceeds a share of the last.
+
+    The sums of a block are counted, since where a search ends cannot be foreseen, and processors wait then.
+    """
     k = 0
     while k + _BLOCK < count and share >= sums[k + _BLOCK - 1]:
         k += _BLOCK
-    while k < count - 1 and share >= sums[k]:
-        k += 1
-    return k
+    found = k
+    for j in range(k, min(k + _BLOCK, count - 1)):
+        found += int(share >= sums[j])
+    return found
 
 
 @kernel(borrows=True)
