@@ -47,7 +47,7 @@ STRONG = (
 # CMA-ES on BBOB: sizes, restarts, what was tuned, and policies with one that is blinded.
 ON_BBOB = (
     "CMA-ES, default lambda", "CMA-ES, lambda 20", "CMA-ES, IPOP", "CMA-ES, constant tuned",
-    "CMA-ES, schedule tuned", "CMA-ES, learned, evolution", "CMA-ES, learned, evolution, longer",
+    "CMA-ES, schedule tuned", "CMA-ES, early restarts", "CMA-ES, learned, evolution, longer",
     "CMA-ES, learned, evolution, longer, blinded",
 )  # fmt: skip
 ON_BBOB_COLUMNS = (

@@ -22,7 +22,8 @@ Floats = NDArray[np.float64]
 SIZES = (100, 200, 500, 1000, 2000)
 LARGE = (5000, 10_000, 20_000, 40_000)
 SIMULATED = TEST[90_000:91_000]
-SIDE_BY_SIDE = 250
+MANY = TEST[80_000:90_000]  # of the table of simulations, so that its own noise is small
+SIDE_BY_SIDE = 500
 
 
 class MeanOfRuns(NamedTuple):

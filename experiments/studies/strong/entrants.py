@@ -28,7 +28,8 @@ RECIPES = {
     },
     L_SHADE: {"lshade-search": "learned, evolution", "both-search": "learned on both optimizers"},
 }
-# Recipes whose policies run blinded, too.
+# Recipes whose policies run in dimensions that are not compared, too, and recipes whose policies run blinded.
+ANY_DIMENSION = ("cma-search", "cma-search-longer", "cma-search-ppo")
 BLINDED_TOO = ("cma-search-longer", "cma-search-restarts")
 # Iterations of the episodes of each recipe: the budget at its smallest size.
 ITERATIONS = {
@@ -120,7 +121,7 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
     Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have some policies
-    blinded. Others have the default size, the tuned rivals and the policies alone.
+    blinded. Others have the default size, the tuned rivals and some policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
@@ -130,9 +131,14 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
     policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        labels = {f"CMA-ES, {RECIPES[CMA_ES][recipe]}" for recipe in BLINDED_TOO}
-        return rows + [_blinded(one) for one in policies if one.name in labels]
-    return [one for one in rows if one.controllers[0].startswith("open-loop") or one in (rows[0], *policies)]
+        return rows + [_blinded(one) for one in _of_recipes(policies, BLINDED_TOO)]
+    kept = (rows[0], *_of_recipes(policies, ANY_DIMENSION))
+    return [one for one in rows if one.controllers[0].startswith("open-loop") or one in kept]
+
+
+def _of_recipes(policies: list[Entrant], recipes: tuple[str, ...]) -> list[Entrant]:
+    labels = {f"CMA-ES, {RECIPES[CMA_ES][recipe]}" for recipe in recipes}
+    return [one for one in policies if one.name in labels]
 
 
 def default_size(dimension: int) -> int:
