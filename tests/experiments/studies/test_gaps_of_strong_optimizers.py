@@ -30,9 +30,9 @@ def test_rows_are_constants_rules_and_policies_of_both_optimizers():
         *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP",
         "CMA-ES, PSA", "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, early restarts",
     ]  # fmt: skip
-    assert names[-6:] == [
+    assert names[-7:] == [
         "L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100", "L-SHADE, constant tuned",
-        "L-SHADE, schedule tuned", "L-SHADE, learned, evolution",
+        "L-SHADE, schedule tuned", "L-SHADE, learned, evolution", "L-SHADE, learned on both optimizers",
     ]  # fmt: skip
 
 
