@@ -215,9 +215,6 @@ class SwarmBatch:
         simulation = self.simulation
         xp, device = simulation.xp, simulation.device
         found = self._observation.observe(simulation)
-        if xp is np:  # in place, since it is a new array
-            np.maximum(found, self.observation_space.low, out=found)
-            return np.minimum(found, self.observation_space.high, out=found)
         return xp.minimum(xp.maximum(found, self._low.on(xp, device)), self._high.on(xp, device))
 
     def observe_last(self) -> NDArray:
