@@ -95,8 +95,8 @@ def test_public_names_are_those_that_a_module_defines():
     assert public_names(reward) == (
         "LARGEST_DETOUR", "LEAST_GAP", "Transition", "progress", "final", "optimality", "offline_error",
         "anytime", "anytime_and_end", "detour", "runtime", "final_gap", "offline_weight", "budget_shares",
-        "REWARDS", "NEED_AN_OPTIMUM", "NEED_ROBOTS", "NEED_BITS", "NEED_A_BUDGET", "make_reward",
-        "RewardCheck",
+        "REWARDS", "NEED_AN_OPTIMUM", "NEED_ROBOTS", "NEED_WEIGHTS", "COUNT_EVALUATIONS", "NEED_BITS",
+        "NEED_A_BUDGET", "make_reward", "RewardCheck",
     )  # fmt: skip
 
 

@@ -313,7 +313,10 @@ def test_an_update_moves_towards_praised_actions(tmp_path):
         ({"warm_start": "spsfa-tip"}, "imitates no controller.*'spsfa-tip'"),
         ({"reward": "paired"}, "device-ppo has no reward 'paired'"),
         ({"max_evaluations": 500}, "max_evaluations must be 0, got 500"),
-        ({"also_on": ("fish-swarm",)}, r"also_on \('fish-swarm',\) is for algorithm 'ppo' only"),
+        (
+            {"also_on": ("fish-swarm",)},
+            r"also_on \('fish-swarm',\) is for algorithm 'ppo' or 'evolution' only",
+        ),
         ({"group_size": 2, "branch_at_events": True}, "branch_at_events True is for algorithm 'ppo' only"),
         ({"group_size": 3}, "multiple of group_size, got 4 and 3"),
         ({"device": "tpu"}, "device 'tpu'.*cuda"),
