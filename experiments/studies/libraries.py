@@ -1,8 +1,8 @@
 """Optimizers of other libraries on the same cost functions, with the defaults of their libraries.
 
 A peer sees vectors in [0, 1]^D, whose bounds are those of the problem. Evaluations count alike: a call of
-the cost function is one, also in the first population. CMA-ES begins again where a run has ended, and keeps
-the first step of its library or of `SIGMA`.
+the cost function is one, also in the first population. CMA-ES begins again where a run has ended. Its first
+step is `SIGMA`, and in pymoo the default of the library.
 
 mealpy asks for NumPy 1.26 or older, so no extra of this package can bring it. It works with newer ones. `make
 install` installs it without what it asks for, and its rows are there where it is installed.
@@ -51,6 +51,7 @@ class Counted:
         dimension: length of a vector.
         calls: number of calls.
         seconds: processor time of all calls.
+        library_seconds: processor time of the run without these calls; 0 before `run_peer` has ended.
         left: number of calls that still count.
         best: least cost so far.
         vector: decision vector of that cost, within the bounds of the problem.
@@ -60,7 +61,7 @@ class Counted:
         self._problem = problem
         self._lower, self._upper = problem.bounds
         self.dimension = problem.dimension
-        self.calls, self.seconds = 0, 0.0
+        self.calls, self.seconds, self.library_seconds = 0, 0.0, 0.0
         self.left = evaluations
         self.best = np.inf
         self.vector = np.zeros(0)
@@ -193,5 +194,7 @@ def run_peer(peer: str, problem: Problem, evaluations: int, seed: int) -> Counte
         seed: seed of the peer's random numbers.
     """
     cost = Counted(problem, evaluations)
+    before = time.process_time()
     PEERS[peer](cost, seed)
+    cost.library_seconds = time.process_time() - before - cost.seconds
     return cost

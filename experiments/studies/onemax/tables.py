@@ -155,8 +155,7 @@ def simulations() -> Table:
             )
     caption = (
         f"Exact expectations, and {len(MANY):,} simulated and {published.NUM_RUNS:,} published runs with "
-        "their standard errors; "
-        "differences in standard errors"
+        "their standard errors; differences in standard errors"
     )
     heads = (
         "rule",

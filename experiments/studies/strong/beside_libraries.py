@@ -1,6 +1,5 @@
 """CMA-ES and L-SHADE beside those of other libraries on the 24 functions of BBOB, at equal evaluations."""
 
-import time
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -10,9 +9,9 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.studies.libraries import installed, run_peer
-from experiments.studies.strong.entrants import EARLY_RESTARTS, Entrant, controller_of, entrants
+from experiments.studies.strong.entrants import EARLY_RESTARTS, Entrant, entrants
 from experiments.studies.strong.grounds import INSTANCES, NUM_FUNCTIONS, Ground
-from experiments.studies.strong.measured_gaps import Floats, file_name, kept, run_row
+from experiments.studies.strong.measured_gaps import Floats, file_name, kept, timed_runs
 from experiments.studies.strong.tables_of_gaps import mean
 from experiments.tables import Table
 from experiments.tables.cell import number
@@ -81,21 +80,17 @@ def _run(run: partial[tuple[Floats, float]], ground: Ground, num_runs: int) -> T
 
 def _our_run(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> tuple[Floats, float]:
     """Return gaps, and evaluations in a second of processor time, of many runs side by side."""
-    controller = controller_of(row, row.controllers[0])
-    run_row(row, controller, scenario, 1, evaluations)  # compiles
-    before = time.process_time()
-    episodes = run_row(row, controller, scenario, max(SIDE_BY_SIDE, num_runs), evaluations)
-    seconds = time.process_time() - before
-    return episodes.final_fitness[:num_runs], float(episodes.evaluations.sum() / seconds)
+    timed_runs(row, scenario, 1, evaluations)  # compiles
+    gaps, speed = timed_runs(row, scenario, max(SIDE_BY_SIDE, num_runs), evaluations)
+    return gaps[:num_runs], speed
 
 
 def _their_run(peer: str, scenario: str, num_runs: int, evaluations: int) -> tuple[Floats, float]:
     """Return gaps, and evaluations in a second of processor time without the time of the function."""
     problem, gaps, calls, seconds = make_problem(scenario), [], 0, 0.0
     for seed in TEST[:num_runs]:
-        before = time.process_time()
         cost = run_peer(peer, problem, evaluations, seed)
-        seconds += time.process_time() - before - cost.seconds
+        seconds += cost.library_seconds
         calls += cost.calls
         gaps.append(cost.best)
     return np.array(gaps), calls / seconds

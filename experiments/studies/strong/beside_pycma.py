@@ -4,7 +4,6 @@ Both have the default size, a first step of 0.3 ranges, and the same bounds and 
 into the bounds by a transformation, and draws smaller steps for small restarts. See docs/readings.md.
 """
 
-import time
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,9 +15,9 @@ from tqdm import tqdm
 
 from experiments.statistics import holm
 from experiments.studies.libraries import run_peer
-from experiments.studies.strong.entrants import Entrant, controller_of, entrants_on_bbob
+from experiments.studies.strong.entrants import Entrant, entrants_on_bbob
 from experiments.studies.strong.grounds import INSTANCES, NUM_FUNCTIONS, Ground
-from experiments.studies.strong.measured_gaps import Floats, file_name, kept, run_row
+from experiments.studies.strong.measured_gaps import Floats, file_name, kept, timed_runs
 from experiments.tables import Table
 from experiments.tables.cell import Entry, number
 from experiments.tables.table import Row
@@ -74,24 +73,15 @@ def run_both(ground: Ground, dimension: int, num_runs: int, folder: Path) -> lis
 
 
 def _run(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> Both:
-    ours, _ = _our_runs(row, scenario, num_runs, evaluations)  # compiles, too
-    _, our_speed = _our_runs(row, scenario, SIDE_BY_SIDE, evaluations)
+    ours, _ = timed_runs(row, scenario, num_runs, evaluations)  # compiles, too
+    _, our_speed = timed_runs(row, scenario, SIDE_BY_SIDE, evaluations)
     problem = make_problem(scenario)
     theirs, speeds = [], []
     for seed in TEST[:num_runs]:
-        before = time.process_time()
         cost = run_peer(PYCMA, problem, evaluations, seed)
-        speeds.append(cost.calls / (time.process_time() - before - cost.seconds))
+        speeds.append(cost.calls / cost.library_seconds)
         theirs.append(cost.best)
     return Both(ours, np.array(theirs), np.array([our_speed]), np.array([np.mean(speeds)]))
-
-
-def _our_runs(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> tuple[Floats, float]:
-    """Return final gaps, and evaluations in a second of processor time."""
-    controller = controller_of(row, row.controllers[0])
-    before = time.process_time()
-    episodes = run_row(row, controller, scenario, num_runs, evaluations)
-    return episodes.final_fitness, episodes.evaluations.sum() / (time.process_time() - before)
 
 
 def beside_pycma(found: list[Both], dimension: int, evaluations: int) -> Table:

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -139,3 +140,11 @@ def run_row(row: Entrant, controller: Controller, scenario: str, num_runs: int, 
         # The limits of a policy are in its file, and come before these.
         max_population_size=(row.limits or SizeLimits()).largest,
     )
+
+
+def timed_runs(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> tuple[Floats, float]:
+    """Return gaps of runs by the first controller of a row, and evaluations in a second of processor time."""
+    controller = controller_of(row, row.controllers[0])
+    before = time.process_time()
+    episodes = run_row(row, controller, scenario, num_runs, evaluations)
+    return episodes.final_fitness, float(episodes.evaluations.sum() / (time.process_time() - before))

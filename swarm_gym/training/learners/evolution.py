@@ -27,9 +27,8 @@ from swarm_gym.training.learners.learner import Learner
 from swarm_gym.wrappers.beginnings import begin_together
 
 Floats = NDArray[np.float64]
-Layer = tuple[
-    NDArray[np.float32], NDArray[np.float32]
-]  # weights and biases of candidates, as in policy files
+# Weights and biases of a layer of all candidates, as in policy files.
+Layer = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 MOST_WEIGHTS_WITH_COVARIANCE = 200
 
