@@ -96,7 +96,12 @@ OTHERS = {
     "[README](../README.md)": ("cases-at-budgets", "paper"),
     "[learners](learners.md)": ("learners",),
     "[known optimum](known-optimum.md)": ("known-optimum",),
-    "[strong optimizers](strong-optimizers.md)": ("strong-optimizers", "strong-on-bbob", "beside-pycma"),
+    "[strong optimizers](strong-optimizers.md)": (
+        "strong-optimizers",
+        "strong-on-bbob",
+        "beside-libraries",
+        "beside-pycma",
+    ),
     "[terrain](terrain.md)": ("terrain-all", "terrain-longer", "terrain-eight"),
     "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),

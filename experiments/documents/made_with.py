@@ -23,7 +23,9 @@ DAY = 10  # characters of a date at the beginning of a time
 TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     "known-optimum": digests_of_one_max,
     "learners": digests_of_rivals,
-    **dict.fromkeys(("strong-optimizers", "strong-on-bbob", "beside-pycma"), digests_of_strong),
+    **dict.fromkeys(
+        ("strong-optimizers", "strong-on-bbob", "beside-libraries", "beside-pycma"), digests_of_strong
+    ),
     "terrain-all": digests_of_terrain,
     "terrain-longer": digests_of_terrain,
     "terrain-eight": digests_of_terrain,

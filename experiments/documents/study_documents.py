@@ -154,7 +154,9 @@ STRONG_BLOCKS: Mapping[str, Block] = {
     "cases-at-budgets": _cases_at_budgets,
 }
 STRONG_TABLES: Mapping[str, Block] = {
-    **texts(("in-short", "beside-metabox", "on-bbob", "beside-pycma"), "strong-optimizers/"),
+    **texts(
+        ("in-short", "beside-metabox", "on-bbob", "beside-libraries", "beside-pycma"), "strong-optimizers/"
+    ),
     **texts(("cases-at-budgets",), f"{AT_BUDGETS}/"),
 }
 TERRAIN_BLOCKS: Mapping[str, Block] = {
