@@ -18,6 +18,8 @@ EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
 # Packages that rows over terrain compare with. mealpy asks for NumPy 1.26 or older and works with newer ones.
 WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
+# Rows of 100,000 evaluations.
+UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -190,7 +192,8 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
-	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longer
+	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
+	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer
 	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
 	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2

@@ -11,8 +11,8 @@ import tyro
 
 from experiments.documents.digests import digests_of_one_max
 from experiments.documents.records import record_of, write_record
+from experiments.studies.onemax import double_dqn, share_schedules
 from experiments.studies.onemax.pictures import write_pictures
-from experiments.studies.onemax.share_schedules import ship
 from experiments.studies.onemax.speed import speed
 from experiments.studies.onemax.tables import tables
 from swarm_gym.command import command
@@ -35,6 +35,8 @@ class OneMaxConfig:
     """Tables to write instead of all of them and the pictures, e.g. simulations readings."""
     tune_schedules: bool = False
     """Tune the schedules over the share of zeros again, which ship with the package, and nothing else."""
+    train_double_dqn: bool = False
+    """Train the policies of double DQN again, which ship with the study, and nothing else; takes an hour."""
 
 
 def write(config: OneMaxConfig) -> list[Path]:
@@ -46,7 +48,9 @@ def write(config: OneMaxConfig) -> list[Path]:
         ValueError: if nothing is asked for.
     """
     if config.tune_schedules:
-        return [ship()]
+        return [share_schedules.ship()]
+    if config.train_double_dqn:
+        return [double_dqn.ship()]
     made = [] if config.only_speed else tables(config.tables)
     if config.published is not None:
         made.append(speed(config.published))

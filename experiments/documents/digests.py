@@ -15,7 +15,8 @@ from experiments.runs.configuration import identities
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import group_controllers
 from experiments.studies.controllers import packaged_seeds
-from experiments.studies.onemax.tables import FOUR, LAMBDA, NORMAL
+from experiments.studies.onemax import q_policies
+from experiments.studies.onemax.tables import FOUR, RECIPES
 from experiments.studies.strong.entrants import entrants
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import make_controller
@@ -115,7 +116,7 @@ def digests_of_terrain() -> dict[str, str]:
     A digest is taken over the row, its size or controllers, and the results of the optimizer.
     """
     # Imported here: rows of other libraries need these.
-    from experiments.studies.terrain.controllers_of_terrain import controller_of, rows
+    from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, controller_of, rows
     from experiments.studies.terrain.rows import SIZES, ControlledRow, Row
 
     swarms = [row for row in rows() if isinstance(row, Row | ControlledRow)]
@@ -123,20 +124,24 @@ def digests_of_terrain() -> dict[str, str]:
     found = {}
     for row in swarms:
         if isinstance(row, Row):
+            described: list[object] = [*row]
             deciding: object = SIZES[row.optimizer]
         else:
+            budget = row.iterations, row.evaluations
+            described = [row.label, row.optimizer, row.source, row.controllers, *budget]
             # A blinded policy follows from a policy, which has a row, and runs of it.
             plain = [name for name in row.controllers if ControllerName.parse(name).family != BLINDED]
-            deciding = [controller_of(row, name).identity() for name in plain]
-        found[row.name] = digest([list(row), deciding, results[results_key(row.optimizer)]])
+            deciding = [controller_of(row, name, EVALUATIONS).identity() for name in plain]
+        found[row.name] = digest([described, deciding, results[results_key(row.optimizer)]])
     return found
 
 
 def digests_of_one_max() -> dict[str, str]:
     """Return the digests of the policies and schedules of the study of OneMax, by recipe or name."""
-    recipes = {recipe: packaged_seeds(recipe) for recipe in (LAMBDA, FOUR, NORMAL)}
+    recipes = {recipe: packaged_seeds(recipe) for recipe in (*RECIPES.values(), FOUR)}
     names = {**recipes, **{name: (name,) for name in ("share:lambda", "share:four", "one-fifth")}}
     found = {
         key: digest([make_controller(name).identity() for name in members]) for key, members in names.items()
     }
-    return found | digests_of_results(["one-plus-lambda-lambda"])
+    trained = {size: one["policies"] for size, one in q_policies.stored().items()}
+    return found | {"double DQN": digest(trained)} | digests_of_results(["one-plus-lambda-lambda"])

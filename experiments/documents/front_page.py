@@ -102,7 +102,7 @@ OTHERS = {
         "beside-libraries",
         "beside-pycma",
     ),
-    "[terrain](terrain.md)": ("terrain-all", "terrain-longer", "terrain-eight"),
+    "[terrain](terrain.md)": ("terrain-all", "terrain-longer", "terrain-longest", "terrain-eight"),
     "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
     "[other libraries](adapters.md)": ("adapters",),

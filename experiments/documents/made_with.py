@@ -28,6 +28,7 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     ),
     "terrain-all": digests_of_terrain,
     "terrain-longer": digests_of_terrain,
+    "terrain-longest": digests_of_terrain,
     "terrain-eight": digests_of_terrain,
 }
 

@@ -35,7 +35,7 @@ LEARNERS_COLUMNS = (
 # Controllers of lambda on OneMax, without the worst of the training seeds.
 ONE_MAX = (
     "optimum, any lambda up to 64", "optimum, lambda in 1, 2, 4, ..., 64", "PPO, 10 seeds",
-    "PPO with normal noise, from scratch, 5 seeds", "CMA-ES over the share of zeros", "DDQN, published",
+    "double DQN, published settings, 10 seeds", "CMA-ES over the share of zeros", "DDQN, published",
     "theory", "one-fifth rule", "best schedule over iterations, simulated", "best constant lambda",
 )  # fmt: skip
 # Constants of CMA-ES around the best one, restarts, policies; L-SHADE with rules, tuned and learned.
@@ -146,7 +146,9 @@ ONE_MAX_BLOCKS: Mapping[str, Block] = {
     "one-parameter": _one_parameter,
     **texts(("four-parameters", "generalisation")),
 }
-ONE_MAX_TABLES: Mapping[str, Block] = texts(("one-parameter", "valley", "counting", "simulations", "speed"))
+ONE_MAX_TABLES: Mapping[str, Block] = texts(
+    ("one-parameter", "recipes", "valley", "counting", "simulations", "speed")
+)
 READINGS_BLOCKS: Mapping[str, Block] = texts(("readings",))  # of the one-fifth rule
 STRONG_BLOCKS: Mapping[str, Block] = {
     "in-short": _strong,
@@ -163,6 +165,7 @@ TERRAIN_BLOCKS: Mapping[str, Block] = {
     "test-terrains": partial(shortened, TERRAINS, IN_SHORT),
     "control-over-terrain": _control,
     "longer-over-terrain": partial(shortened, "terrain/longer/metabox-in-short", LONGER),
+    "longest-over-terrain": partial(ResultsFolder.text, name="terrain/longest/metabox-in-short.md"),
 }
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name=f"{TERRAINS}.md"),
@@ -170,6 +173,7 @@ TERRAIN_TABLES: Mapping[str, Block] = {
     "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
     "longer-rows": partial(ResultsFolder.text, name="terrain/longer/metabox-in-short.md"),
     "longer-by-terrain": partial(ResultsFolder.text, name="terrain/longer/metabox-by-terrain.md"),
+    "longest-by-terrain": partial(ResultsFolder.text, name="terrain/longest/metabox-by-terrain.md"),
     **texts(("documented-in-short", "documented-by-terrain"), "terrain/eight/"),
     **texts(("beside-metabox",), "terrain/speed/"),
 }

@@ -1,5 +1,8 @@
 """Controllers and scenarios that several studies compare."""
 
+import copy
+
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 
 
@@ -12,6 +15,15 @@ def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
 def packaged_seeds(recipe: str) -> tuple[str, ...]:
     """Return the names of the policies of a recipe that are there, one for each training seed."""
     return tuple(f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/"))
+
+
+def with_budget(controller: Controller, evaluations: int) -> Controller:
+    """Return a controller for this evaluation budget; a policy would keep the one of its training."""
+    if controller.max_evaluations is None:
+        return controller
+    other = copy.copy(controller)
+    other.max_evaluations = evaluations
+    return other
 
 
 CASES = ("case1", "case2", "case3")

@@ -6,13 +6,14 @@ them.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from tqdm import tqdm
 
-from experiments.studies.controllers import packaged_seeds
 from experiments.studies.onemax import published, schedules
 from experiments.studies.onemax.one_fifth import readings
+from experiments.studies.onemax.q_policies import expected_of_trained
 from experiments.studies.onemax.runtimes import (
     LARGE,
     MANY,
@@ -31,7 +32,15 @@ from experiments.tables.gaps import evaluation_tables
 from swarm_gym.checks import look_up
 from swarm_gym.controllers import make_controller
 
-LAMBDA, FOUR, NORMAL = "onemax-lambda", "onemax-four", "onemax-normal"
+LAMBDA, FOUR = "onemax-lambda", "onemax-four"
+# Recipes of lambda by their names in a table. The first two choose a value, the others add normal noise.
+RECIPES = {
+    "choice, corrects theory": LAMBDA,
+    "choice, from scratch": "onemax-choice",
+    "normal noise, corrects theory": "onemax-normal-theory",
+    "normal noise, corrects theory, in groups": "onemax-grouped",
+    "normal noise, from scratch": "onemax-normal",
+}
 # Lengths at which the schedule over iterations is tuned.
 SCHEDULED = (100, 500)
 
@@ -52,7 +61,8 @@ def one_parameter() -> Table:
         ("optimum, any lambda up to 64", *(_number(optimum("onemax", size)) for size in SIZES)),
         ("optimum, lambda in 1, 2, 4, ..., 64", *(_of(_portfolio(size), size) for size in SIZES)),
         *_of_recipe("PPO", LAMBDA),
-        *_of_recipe("PPO with normal noise, from scratch", NORMAL),
+        *_of_seeds("double DQN, published settings", expected_of_trained),
+        *_of_seeds("double DQN, at the end of trainings", partial(expected_of_trained, at_the_end=True)),
         ("CMA-ES over the share of zeros", *(_of(expected("share:lambda", size), size) for size in SIZES)),
         ("DDQN, published", *(_of(published.DDQN_LAMBDA[size][0], size) for size in SIZES)),
         ("theory", *(_of(expected("theory", size), size) for size in SIZES)),
@@ -62,9 +72,21 @@ def one_parameter() -> Table:
     ]
     caption = (
         "Control of lambda: expected evaluations, and how far they are above the optimum over 1, 2, 4, ..., "
-        "64. Of PPO, the mean over training seeds, whose number is given, and the worst of them"
+        "64. Of PPO and double DQN, the mean over training seeds, whose number is given, and the worst of "
+        "them"
     )
     return Table("one-parameter", caption, ("controller", *_heads(SIZES)), rows)
+
+
+def recipes() -> Table:
+    """Return the table of recipes of PPO for lambda, which differ in noise, base and groups."""
+    rows = [row for label, recipe in RECIPES.items() for row in _of_recipe(label, recipe)]
+    caption = (
+        "PPO of lambda, in recipes that differ in the distribution of decisions, in what they begin with and "
+        "in groups: expected evaluations, and how far they are above the optimum over 1, 2, 4, ..., 64; mean "
+        "over training seeds, whose number is given, and the worst of them"
+    )
+    return Table("recipes", caption, ("recipe", *_heads(SIZES)), rows)
 
 
 def four_parameters() -> Table:
@@ -237,14 +259,18 @@ def _of(value: float | None, size: int, best: Callable[[int], float] = _portfoli
 
 def _of_recipe(label: str, recipe: str, best: Callable[[int], float] = _portfolio) -> list[Row]:
     """Return the rows of the mean over training seeds and of the worst of them."""
-    by_size = [expected_of_seeds(recipe, size) for size in SIZES]
-    seeds = f"{label}, {len(packaged_seeds(recipe))} seeds"
+    return _of_seeds(label, partial(expected_of_seeds, recipe), best)
+
+
+def _of_seeds(
+    label: str, expected_by_size: Callable[[int], Floats], best: Callable[[int], float] = _portfolio
+) -> list[Row]:
+    """Return the rows of the mean over training seeds and of the worst of them, given those of a length."""
+    by_size = [(expected_by_size(size), size) for size in SIZES]
+    seeds = f"{label}, {max(len(found) for found, _ in by_size)} seeds"
     return [
-        (seeds, *(_of(float(found.mean()), size, best) for found, size in zip(by_size, SIZES, strict=True))),
-        (
-            f"{label}, worst seed",
-            *(_of(float(found.max()), size, best) for found, size in zip(by_size, SIZES, strict=True)),
-        ),
+        (name, *(_of(float(reduce(found)), size, best) if len(found) else MISSING for found, size in by_size))
+        for name, reduce in ((seeds, np.mean), (f"{label}, worst seed", np.max))
     ]
 
 
@@ -264,6 +290,7 @@ def _errors(difference: float, error: float) -> Entry:
 
 RUNTIMES: dict[str, Callable[[], Table]] = {
     "one-parameter": one_parameter,
+    "recipes": recipes,
     "four-parameters": four_parameters,
     "generalisation": generalisation,
     "simulations": simulations,

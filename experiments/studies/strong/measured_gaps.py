@@ -1,6 +1,5 @@
 """Gaps of this study's rows on test functions, in files that a later call goes on from."""
 
-import copy
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from experiments.studies.controllers import with_budget
 from experiments.studies.strong.entrants import Entrant, controller_of
 from experiments.studies.strong.grounds import METABOX, Ground
 from experiments.studies.strong.published import EVALUATIONS
@@ -64,7 +64,7 @@ def measure_all(
 
 def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path, ground: Ground) -> Measured:
     """Return the gaps of one controller, arrays (functions, runs)."""
-    made = _with_budget(controller_of(entrant, controller), ground.evaluations)
+    made = with_budget(controller_of(entrant, controller), ground.evaluations)
     asked: dict[str, object] = {
         "optimizer": entrant.optimizer,
         "controller": controller,
@@ -86,15 +86,6 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path,
         )
 
     return kept(folder / name, asked, Measured, run)
-
-
-def _with_budget(controller: Controller, evaluations: int) -> Controller:
-    """Return a controller for this budget; a policy would keep the one of its training."""
-    if controller.max_evaluations is None:
-        return controller
-    other = copy.copy(controller)
-    other.max_evaluations = evaluations
-    return other
 
 
 def file_name(*parts: str) -> str:

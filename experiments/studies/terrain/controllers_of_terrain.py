@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from experiments.runs.episode import controller_of as controller_of_name
+from experiments.studies.controllers import with_budget
 from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, peer_rows, swarm_rows
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
@@ -59,7 +60,8 @@ def learned_rows() -> list[AnyRow]:
         for family, label in (("learned", "learned"), (BLINDED, "learned, blinded")):
             if policies:
                 names = tuple(f"{family}:{name}" for name in policies)
-                found.append(_trained(f"{label}, {decided}", optimizer, names))
+                row = _trained(f"{label}, {decided}", optimizer, names)
+                found.append(row._replace(longer=family != BLINDED))
     return found
 
 
@@ -68,8 +70,12 @@ def rows() -> list[AnyRow]:
     return [*swarm_rows(), *rule_rows(), *blind_rows(), *learned_rows(), *peer_rows(), PlannedRow()]
 
 
-def controller_of(row: ControlledRow, name: str) -> Controller:
-    """Return a controller of a row, for episodes of its optimizer."""
+def controller_of(row: ControlledRow, name: str, evaluations: int) -> Controller:
+    """Return a controller of a row, for episodes of its optimizer with an evaluation budget."""
+    return with_budget(_by_name(row, name), evaluations)
+
+
+def _by_name(row: ControlledRow, name: str) -> Controller:
     parts = ControllerName.parse(name)
     if parts.family in (BLINDED, "learned"):
         return controller_of_name(name)
@@ -79,4 +85,4 @@ def controller_of(row: ControlledRow, name: str) -> Controller:
 
 
 def _trained(label: str, optimizer: str, controllers: Sequence[str]) -> ControlledRow:
-    return ControlledRow(label, optimizer, "guided", tuple(controllers), ITERATIONS, EVALUATIONS)
+    return ControlledRow(label, optimizer, "guided", tuple(controllers), EVALUATIONS, ITERATIONS)

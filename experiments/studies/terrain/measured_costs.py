@@ -57,10 +57,10 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
     runs = {PeerRow: asked.peer_runs, PlannedRow: 1}.get(type(row), asked.runs)
     found: list[list[float]] = []
     for evaluations in asked.evaluations:
-        if isinstance(row, ControlledRow) and row.evaluations not in (None, evaluations):
+        if isinstance(row, ControlledRow) and not row.is_for(evaluations):
             found.append([np.nan] * runs * len(row.controllers))
             continue
-        identity = _identity(row, runs, problem)
+        identity = _identity(row, runs, problem, evaluations)
         parts = (terrain.replace(":", "-"), asked.cost, row.name, str(evaluations), f"{runs}.json")
         file = folder / "-".join(parts).replace(", ", "-").replace(" ", "-")
         costs = _read(file, identity)
@@ -93,17 +93,18 @@ def measure_all(
     return {name: np.stack(parts) for name, parts in found.items()}
 
 
-def _identity(row: AnyRow, runs: int, problem: Problem) -> dict[str, object]:
+def _identity(row: AnyRow, runs: int, problem: Problem, evaluations: int) -> dict[str, object]:
     whole: dict[str, object] = {"row": row.name, "runs": runs, "problem": repr(problem.identity)}
     if isinstance(row, ControlledRow):
-        whole["iterations"] = row.iterations
-        whole["controllers"] = repr([_controller(row, name).identity() for name in row.controllers])
+        controllers = [_controller(row, name, evaluations).identity() for name in row.controllers]
+        whole["iterations"] = row.iterations and row.iterations_of(evaluations)
+        whole["controllers"] = repr(controllers)
     return whole
 
 
 @cache
-def _controller(row: ControlledRow, name: str) -> Controller:
-    return controller_of(row, name)
+def _controller(row: ControlledRow, name: str, evaluations: int) -> Controller:
+    return controller_of(row, name, evaluations)
 
 
 def _read(file: Path, identity: Mapping[str, object]) -> list[float] | None:
@@ -141,7 +142,7 @@ def _episodes(
         ended[:] = [simulation.swarms.best_fitness, simulation.swarms.best_position, simulation.dimension]
 
     run_episodes(
-        _controller(row, name) if controlled else make_controller(name),
+        _controller(row, name, evaluations) if controlled else make_controller(name),
         terrain,
         TEST[:runs],
         row.optimizer,
@@ -161,4 +162,4 @@ def _options(row: Row | ControlledRow, evaluations: int) -> dict[str, Any]:
     if isinstance(row, Row):
         return {"encoding": row.encoding, "iterations": evaluations}
     smallest = get_optimizer(row.optimizer).smallest_population
-    return {"iterations": row.iterations or evaluations, "min_population_size": max(2, smallest)}
+    return {"iterations": row.iterations_of(evaluations), "min_population_size": max(2, smallest)}

@@ -81,16 +81,29 @@ class ControlledRow(NamedTuple):
         optimizer: name of the optimizer.
         source: name of the source of members.
         controllers: names of the controllers, one for each training seed.
-        iterations: most iterations of an episode; None is as many as evaluations.
-        evaluations: the only budget that the controllers are for; None is any.
+        evaluations: evaluation budget of the training; None if there was no training.
+        iterations: most iterations of an episode with this budget, and in proportion with others; None is as
+            many as evaluations.
+        longer: whether there are episodes with other budgets.
     """
 
     label: str
     optimizer: str
     source: str
     controllers: tuple[str, ...]
-    iterations: int | None = None
     evaluations: int | None = None
+    iterations: int | None = None
+    longer: bool = True
+
+    def iterations_of(self, evaluations: int) -> int:
+        """Return the most iterations of an episode with an evaluation budget."""
+        if self.iterations is None or self.evaluations is None:
+            return evaluations
+        return self.iterations * evaluations // self.evaluations
+
+    def is_for(self, evaluations: int) -> bool:
+        """Return whether there are episodes with an evaluation budget."""
+        return self.longer or self.evaluations in (None, evaluations)
 
     @property
     def name(self) -> str:

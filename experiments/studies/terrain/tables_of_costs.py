@@ -12,7 +12,10 @@ from experiments.tables.cell import Entry, number
 # Rows that have a column in the table by terrain, where they are there.
 SHOWN = (
     "PSO, spherical, uniform", "L-SHADE, spherical, uniform", "L-SHADE, waypoints, smooth",
-    "L-SHADE, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
+    "L-SHADE, waypoints, guided", "CMA-ES, waypoints, guided", "fireflies, waypoints, guided",
+    "fireflies, SPSFA-TIP, waypoints, guided", "multivariate, waypoints, guided",
+    "L-SHADE, learned, size and phi, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided",
+    "mealpy L-SHADE, waypoints", PLANNED,
 )  # fmt: skip
 
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.

@@ -10,7 +10,7 @@ from experiments.documents.records import records_in
 from experiments.studies import libraries
 from experiments.studies.libraries import run_peer
 from experiments.studies.terrain import best_known, measured_costs
-from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, learned_rows, rows
+from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, controller_of, learned_rows, rows
 from experiments.studies.terrain.measured_costs import Asked, measure
 from experiments.studies.terrain.rows import PEERS, PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
@@ -51,7 +51,7 @@ def test_runs_are_kept_and_better_with_more_evaluations(little_terrain, tmp_path
 
 
 def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path):
-    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 50, 200)
+    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 200, 50, longer=False)
     costs = measure(rule, little_terrain, ASKED, tmp_path)
     assert costs.shape == (2, 6)
     assert np.isnan(costs[0]).all()  # of a budget that it is not for
@@ -121,6 +121,20 @@ def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     assert "2 runs (4 of other libraries)" in short.caption
     found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
+
+
+def test_policies_have_longer_episodes_with_larger_budgets_and_blinded_ones_have_none():
+    learned, blinded = learned_rows()[:2]
+    assert isinstance(learned, ControlledRow)
+    assert isinstance(blinded, ControlledRow)
+    assert learned.is_for(20_000)
+    assert blinded.is_for(EVALUATIONS)
+    assert not blinded.is_for(20_000)
+    assert learned.iterations_of(20_000) == 8 * learned.iterations_of(EVALUATIONS) == 8 * 220
+    [name, *_] = learned.controllers
+    found = controller_of(learned, name, 20_000)
+    assert found.env_options()["max_evaluations"] == 20_000
+    assert controller_of(learned, name, EVALUATIONS).env_options()["max_evaluations"] == EVALUATIONS
 
 
 def test_captions_name_ranges_of_terrains():
