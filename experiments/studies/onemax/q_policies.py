@@ -73,5 +73,5 @@ def expected_of_trained(size: int, at_the_end: bool = False) -> Floats:
 
 def stored(file: Path = FILE) -> dict[str, Trained]:
     """Return what is stored of all lengths."""
-    found: dict[str, Trained] = json.loads(file.read_text("utf-8")) if file.exists() else {}
+    found: dict[str, Trained] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
     return found
