@@ -17,8 +17,9 @@ from experiments.studies.terrain.table_of_control import objective, table_of_con
 from experiments.studies.terrain.tables_of_costs import tables
 from helpers.terrains import rolling_terrain
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.problem import TerrainProblem
 from swarm_gym.runs.seeds import TEST
-from swarm_gym.scenarios import make_scenario, registry
+from swarm_gym.scenarios import TerrainScenario, make_scenario, registry
 from swarm_gym.worlds import make_problem
 
 ASKED = Asked("metabox", (100, 200), 3, 3)
@@ -121,6 +122,24 @@ def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     assert "2 runs (4 of other libraries)" in short.caption
     found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
+
+
+def test_a_flight_on_the_edge_of_a_threat_is_not_steady():
+    heights, ends = np.zeros((101, 101)), {"start": (10.0, 500.0, 150.0), "goal": (990.0, 500.0, 150.0)}
+    scenario = TerrainScenario(
+        "edge", heights=heights, cell=10.0, threats=[[500.0, 500.0, np.inf, 80.0]], **ends
+    )
+    problem = TerrainProblem(scenario)
+    aside = np.zeros(20)
+    low, high = 0.0, 300.0
+    for _ in range(100):
+        aside[:10] = 0.5 * (low + high)
+        low, high = (aside[0], high) if problem.evaluate(aside)[1] > 0.0 else (low, aside[0])
+    aside[:10] = high
+    assert problem.evaluate(aside)[1] == 0.0
+    assert not best_known.is_steady(problem, aside)
+    aside[:10] = high + 1.0
+    assert best_known.is_steady(problem, aside)
 
 
 def test_policies_have_longer_episodes_with_larger_budgets_and_blinded_ones_have_none():
