@@ -127,7 +127,7 @@ def digests_of_terrain() -> dict[str, str]:
             described: list[object] = [*row]
             deciding: object = SIZES[row.optimizer]
         else:
-            budget = row.iterations, row.evaluations
+            budget = row.iterations, row.evaluations  # `longer` decides which runs there are, and no result
             described = [row.label, row.optimizer, row.source, row.controllers, *budget]
             # A blinded policy follows from a policy, which has a row, and runs of it.
             plain = [name for name in row.controllers if ControllerName.parse(name).family != BLINDED]

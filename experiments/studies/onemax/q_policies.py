@@ -6,15 +6,12 @@ from pathlib import Path
 from typing import TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 
+from experiments.studies.onemax.runtimes import Floats, expected_of_sizes
 from swarm_gym.reference.onemax.optima import PORTFOLIO
-from swarm_gym.reference.onemax.runtimes import LambdaDecisions, expected_runtimes
 
 FILE = Path(__file__).parent / "data" / "double_dqn.json"
 CHOICES = np.array(PORTFOLIO, dtype=np.float64)
-
-Floats = NDArray[np.float64]
 
 
 class Policy(TypedDict):
@@ -53,8 +50,7 @@ def expected_of(policy: Sequence[int], size: int) -> float:
         size: n, the length of the string.
     """
     exponents = np.concatenate([np.full(size - len(policy), policy[0]), policy])
-    decisions = LambdaDecisions.of_size(CHOICES[exponents])
-    return float(expected_runtimes(decisions, size // 2)[size // 2]) + 1.0
+    return expected_of_sizes(CHOICES[exponents])
 
 
 def expected_of_trained(size: int, at_the_end: bool = False) -> Floats:

@@ -44,6 +44,12 @@ def expected_of_seeds(recipe: str, size: int, copies_free: bool = True) -> Float
     return np.array([expected(name, size, copies_free) for name in packaged_seeds(recipe)])
 
 
+def expected_of_sizes(sizes: NDArray) -> float:
+    """Return the expected evaluations from half of the ones, the first string included, by lambdas (n,)."""
+    start = len(sizes) // 2
+    return float(expected_runtimes(LambdaDecisions.of_size(sizes), start)[start]) + 1.0
+
+
 def optimum(choices: str, size: int, counting: str = "copies-free") -> float:
     """Return the least expected evaluations among these choices; NaN where it does not ship."""
     if not is_packaged(size, choices, counting):
@@ -54,10 +60,7 @@ def optimum(choices: str, size: int, counting: str = "copies-free") -> float:
 @cache
 def best_constant(size: int) -> tuple[int, float]:
     """Return the constant lambda of the least expected evaluations, and these."""
-    runtimes = {}
-    for number in CHOICES["onemax"].mutants:
-        found = expected_runtimes(LambdaDecisions.of_size(np.full(size, number)), size // 2)
-        runtimes[number] = float(found[size // 2]) + 1.0
+    runtimes = {number: expected_of_sizes(np.full(size, number)) for number in CHOICES["onemax"].mutants}
     best = min(runtimes, key=runtimes.__getitem__)
     return best, runtimes[best]
 
