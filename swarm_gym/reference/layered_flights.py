@@ -1,8 +1,9 @@
 """Planned flights over terrain, through different valleys and past threats on other sides.
 
-A flight leads over a coarse graph: offsets and altitudes at each waypoint, with the terms of the documented
-cost. Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node follows
-from the best flight to that node. So a flight is good and not always the best one of the graph.
+A flight leads over a coarse graph: offsets at each waypoint, in the middle of the band, with the terms of the
+documented cost. Dynamic programming goes from one waypoint to the next. A turn, or a change of climb, at a node
+follows from the best flight to that node. So a flight is good and not always the best one of the graph. A
+graph of finer offsets and of altitudes around the flight then improves it.
 
 Further flights are found in the same way when a toll lies around a waypoint of a flight that is known.
 """
@@ -20,8 +21,11 @@ from swarm_gym.problem.terrain.ground import height
 from swarm_gym.problem.terrain.table import ABOVE, CLIMB, HIGHEST, LOWEST, TURN, TerrainTable, X, Y
 
 ATTEMPTS = 8  # to find another flight
-NODES = 25  # offsets at a waypoint
-SHARES = (0.25, 0.5, 0.75)  # of the band, at which nodes lie
+NODES = 50  # offsets at a waypoint; with 25, gaps between threats were missed
+SHARES = (0.5,)  # of the band, at which nodes lie
+FINE_NODES = 15  # offsets at a waypoint, around a flight
+FINE_REACH = 2.0  # how far they reach on each side, in distances between offsets
+FINE_SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 TOLL = 1e4  # as much as a contact
 REACHES = (0.04, 0.15)  # least and greatest reach of a toll, as shares of the width of the map
 LEAST_DIFFERENCE = 0.05  # of offsets at a waypoint, as a share of the width, that makes another flight
@@ -43,9 +47,14 @@ def flight_ways(problem: TerrainProblem, most: int) -> Floats:
     exact = TerrainProblem(problem.scenario, "waypoints", problem.num_waypoints)
     table, n = exact.table, problem.num_waypoints
     sideways = np.linspace(table.lower[:n], table.upper[:n], NODES, axis=1)
-    rng, upwards = np.random.default_rng(0), np.array(SHARES)
-    flights = [layered_flight(table, sideways, upwards, np.zeros((n, NODES)))]
-    costs = [exact.evaluate(flights[0])[0]]
+
+    def planned(tolls: Floats) -> tuple[Floats, float]:
+        flight = layered_flight(table, sideways, np.array(SHARES), tolls)
+        both = [(one, exact.evaluate(one)[0]) for one in (flight, _finer(table, flight))]
+        return min(both, key=lambda one: one[1])
+
+    rng, (first, cost) = np.random.default_rng(0), planned(np.zeros((n, NODES)))
+    flights, costs = [first], [cost]
     for _ in range(ATTEMPTS):
         if len(flights) == most:
             break
@@ -53,13 +62,21 @@ def flight_ways(problem: TerrainProblem, most: int) -> Floats:
         tolls = np.zeros((n, NODES))
         reach = rng.uniform(*REACHES) * table.width
         tolls[at] = np.where(abs(sideways[at] - known[at]) < reach, TOLL, 0.0)
-        flight = layered_flight(table, sideways, upwards, tolls)
-        cost = exact.evaluate(flight)[0]
+        flight, cost = planned(tolls)
         differences = [abs(flight[:n] - other[:n]).max() for other in flights]
         if min(differences) > LEAST_DIFFERENCE * table.width and cost < MOST_COST * costs[0]:
             flights.append(flight)
             costs.append(cost)
     return np.array(flights)[np.argsort(costs, kind="stable")]
+
+
+def _finer(table: TerrainTable, flight: Floats) -> Floats:
+    """Return a flight through nodes that lie closely around this one, (2 n,)."""
+    n = len(flight) // 2
+    least, most = table.lower[:n, None], table.upper[:n, None]
+    reach = FINE_REACH * (most - least) / (NODES - 1)
+    sideways = np.clip(flight[:n, None] + reach * np.linspace(-1.0, 1.0, FINE_NODES), least, most)
+    return layered_flight(table, sideways, np.array(FINE_SHARES), np.zeros((n, FINE_NODES)))
 
 
 @entry

@@ -29,6 +29,16 @@ def test_flights_pass_a_threat_on_both_sides():
     assert middles == {-1.0, 1.0}
 
 
+def test_a_narrow_gap_between_threats_is_found():
+    middle, wide = 316.0, 34.0
+    below = np.arange(middle - wide / 2 - 90.0, -100.0, -90.0)
+    above = np.arange(middle + wide / 2 + 90.0, 1_100.0, 90.0)
+    at = 10.0 + 980.0 * 5 / 11  # of the fifth waypoint
+    threats = [[at, y, np.inf, 90.0] for y in (*below, *above)]
+    problem = TerrainProblem(flat(threats=threats, drone_size=0.0, danger_distance=0.0))
+    assert problem.evaluate(flight_ways(problem, 1)[0])[1] == 0.0
+
+
 def test_a_ridge_is_crossed_at_its_gap():
     heights = np.zeros((101, 101))
     heights[:, 45:56] = 2_000.0
