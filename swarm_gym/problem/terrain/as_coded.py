@@ -72,10 +72,10 @@ def metabox_terms(
             altitude += PENALTY if above < 0.0 else abs(above - middle)
         has_gap = has_gap or level == 0.0
         if number > 1 and not has_gap:
-            cross, dot = abs(before_x * dy - before_y * dx), before_x * dx + before_y * dy
-            angles += _above(table, TURN, cross, dot)
-            cross, dot = before_level * dz - before_rise * level, before_level * level + before_rise * dz
-            angles += _above(table, CLIMB, abs(cross), dot)
+            turn, change = angles_as_coded(
+                table, before_x, before_y, before_level, before_rise, dx, dy, level, dz
+            )
+            angles = angles + turn + change
         found, inside = _threats(table, x, y, exact_z, dx, dy, exact_to_z - exact_z, measures)
         threats, collision = threats + found, collision + inside
         u, v = in_cells(table, x, y)
@@ -95,6 +95,40 @@ def metabox_terms(
         angles = _angles_across_gaps(table, path)
     ground = 0.0 if is_clear else PENALTY
     return (length, threats, altitude, angles, ground, 0.0, 0.0), collision
+
+
+@kernel(inline="late", borrows=True)
+def angles_as_coded(
+    table: TerrainTable,
+    before_x: float,
+    before_y: float,
+    before_level: float,
+    before_rise: float,
+    dx: float,
+    dy: float,
+    level: float,
+    rise: float,
+) -> tuple[float, float]:
+    """Return the turn and the change of climb from a step to the next, in degrees, each 0 within its limit.
+
+    Of each step, `level` is its length seen from above, and `rise` what it climbs.
+    """
+    cross, dot = abs(before_x * dy - before_y * dx), before_x * dx + before_y * dy
+    turn = _above(table, TURN, cross, dot)
+    cross, dot = before_level * rise - before_rise * level, before_level * level + before_rise * rise
+    return turn, _above(table, CLIMB, abs(cross), dot)
+
+
+@kernel
+def segment_as_coded(
+    table: TerrainTable, x: float, y: float, z: float, to_x: float, to_y: float, to_z: float
+) -> tuple[float, bool]:
+    """Return what threats cost a segment, and whether its samples lie above the ground."""
+    threats, _ = _threats(table, x, y, z, to_x - x, to_y - y, to_z - z, False)
+    u, v = in_cells(table, x, y)
+    to_u, to_v = in_cells(table, to_x, to_y)
+    is_clear = _is_clear(table, u + 1.0, v + 1.0, z, to_u + 1.0, to_v + 1.0, to_z, 0.0, 1.0)
+    return threats, is_clear
 
 
 @kernel(inline="late", borrows=True)

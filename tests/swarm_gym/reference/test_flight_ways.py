@@ -1,12 +1,14 @@
 """Planned flights: cheap, different, the same in every call, and past threats on several sides."""
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
+import pytest
 
 from helpers.terrains import rolling_terrain
 from swarm_gym.problem import TerrainProblem
-from swarm_gym.reference.layered_flights import LEAST_DIFFERENCE, MOST_COST, flight_ways
+from swarm_gym.problem.terrain.cost import PENALTY
+from swarm_gym.reference.layered_flights import LEAST_DIFFERENCE, MOST_COST, flight_ways, layered_flight
 from swarm_gym.scenarios import TerrainScenario
 
 
@@ -74,8 +76,40 @@ def test_flights_differ_and_are_in_the_order_of_their_costs():
         assert costs[0] < min(drawn)
 
 
-def test_encodings_and_costs_have_the_same_flights():
+def test_encodings_have_the_same_flights():
     scenario = rolling_terrain(1)
-    one = flight_ways(TerrainProblem(scenario), 2)
-    for options in ({"encoding": "spherical"}, {"cost": "metabox"}):
-        np.testing.assert_array_equal(flight_ways(TerrainProblem(scenario, **options), 2), one)
+    for cost in ("documented", "metabox"):
+        one = flight_ways(TerrainProblem(scenario, cost=cost), 2)
+        other = flight_ways(TerrainProblem(scenario, "spherical", cost=cost), 2)
+        np.testing.assert_array_equal(one, other)
+
+
+def test_flights_have_the_terms_of_the_cost():
+    """A wall costs `metabox` one penalty, and the documented cost one for each segment and metre in it."""
+    heights = np.zeros((101, 101))
+    heights[20:81, 30:70] = 2_000.0
+    documented, metabox = (TerrainProblem(flat(heights=heights), cost=c) for c in ("documented", "metabox"))
+    around, through = flight_ways(documented, 1)[0], flight_ways(metabox, 1)[0]
+    assert documented.costs(around) < documented.costs(through)
+    assert metabox.costs(through) < metabox.costs(around)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 5, 6, 7])
+@pytest.mark.parametrize("penalty", [0.0, 1e9])
+def test_the_cheapest_flight_of_a_small_graph_is_found_where_no_angle_costs(penalty, seed):
+    goal = (790.0, 760.0, 150.0)
+    terrain = rolling_terrain(seed, largest_turn=180.0, largest_climb=90.0, goal=goal)
+    problem = TerrainProblem(terrain, num_waypoints=4, cost="metabox")
+    n, rng = 4, np.random.default_rng(seed)
+    low, high = problem.bounds
+    sideways = np.sort(rng.uniform(0.5 * low[:n, None], 0.5 * high[:n, None], (n, 4)), axis=1)
+    tolls = rng.uniform(0.0, 500.0, (n, 4))
+    found = layered_flight(problem.table, sideways, np.array([0.5]), tolls, penalty)
+    flights = np.array([(*offsets, *found[n:]) for offsets in product(*sideways)])
+    is_below = np.array([problem.terms(flight)["ground"] > 0.0 for flight in flights])
+    paid = np.array(list(product(*tolls))).sum(axis=1)
+    costs = problem.costs(flights) - PENALTY * is_below + paid
+    assert 0 < is_below.sum() < len(flights)
+    best = costs.min() if penalty == 0.0 else costs[~is_below].min()
+    at = (flights == found).all(axis=1)
+    assert costs[at] == pytest.approx([best], rel=1e-12)
