@@ -107,8 +107,8 @@ def test_a_real_elevation_model_is_flown_over(tmp_path, small):
     found = plan_flight(path, start, goal, optimizer="firefly", max_evaluations=500, **limits)
     assert faults(found.map, found.waypoints.tolist()) == []
     assert found.map.straight_line < found.length < 1.2 * found.map.straight_line
-    # The ground of the task is sampled from that of the file.
-    assert found.least_height > 39.0
+    # The ground of the task is sampled from that of the file, and cuts its posts off by some metres.
+    assert found.least_height > 35.0
     write_flight(found, tmp_path / "f.plan")
     items = json.loads((tmp_path / "f.plan").read_text())["mission"]["items"]
     assert items[-1]["params"][4:6] == pytest.approx([36.66, -84.13])
