@@ -26,6 +26,7 @@ EXAMPLES = {
     "open-loop": "open-loop:three-cases",
     "reacting-loop": "reacting-loop:dynamic-reacting/0@1",
     "learned": "learned:three-cases/0@1",
+    "together": "together:three-cases@1",
     "tuned": "tuned:three-cases",
     "distilled": "distilled:three-cases",
 }

@@ -8,6 +8,7 @@ recipe or a file, `<recipe>[/<seed>][@<price>]`; any other family has its parame
 * `learned:three-cases/0`: the policy of the recipe `three-cases` with training seed 0.
 * `learned:three-cases/*`: all training seeds of that recipe, as a group.
 * `learned:three-cases/0@0.3`: that policy for the price 0.3.
+* `together:cma-search-restarts`: the policies of all training seeds of that recipe, whose mean decides.
 * `open-loop:three-cases-extended@2`: the open loop of the recipe `three-cases-extended` for the price 2.
 * `reacting-loop:dynamic-reacting/0@1`: the open loop of that name, begun again when the best fitness rises.
 * `tuned:runs/mine.json`: a file.

@@ -17,6 +17,7 @@ from swarm_gym.controllers.fixed import Fixed, Random
 from swarm_gym.controllers.immigrants import Periodic, Reaction, Restart
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
+from swarm_gym.controllers.learned.together import Together, load_together
 from swarm_gym.controllers.movement_rule import MovementSize
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
@@ -44,7 +45,8 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     `linear-reduction:start=120`. The argument of `learned:`, `open-loop:`, `reacting-loop:`, `tuned:` and
     `distilled:` is the name of a packaged file or the path of a file. Policies of one recipe are called
     `learned:<preset>/<training seed>`; `learned:<policy>@0.3` sets the price of 100,000 evaluations that a
-    policy observes. `swarm_gym.controllers.names` describes all parts of a name.
+    policy observes. The policies of a recipe decide as one by `together:<preset>`.
+    `swarm_gym.controllers.names` describes all parts of a name.
     A controller of your own is `module:attribute`, see `swarm_gym.own_code`.
 
     Args:
@@ -98,6 +100,11 @@ def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> Feedfo
     weights, manifest = load_policy(path)
     make_base = partial(_in_file, f"{path}: base")
     return NETWORKS[manifest["network"]](path, weights, manifest, limits, price, make_base)
+
+
+def _together(argument: str, limits: SizeLimits | None = None) -> Together:
+    """Return the controller whose action is the mean of those of several policies."""
+    return load_together(argument, limits, load_learned)
 
 
 def _own_controller(name: str) -> Controller:
@@ -157,10 +164,15 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "open-loop": load_open_loop,
     "reacting-loop": load_reacting_loop,
     "learned": load_learned,
+    "together": _together,
     "tuned": _tuned,
     "distilled": load_rule,
     **{name: rule.from_argument for name, rule in onemax_rules.RULES.items()},
     "share": onemax_schedules.ShareSchedule.from_argument,
 }
 # Families whose files state the size limits that are used where none are given.
-_WITH_LIMITS: dict[str, Callable[[str], Controller]] = {"learned": load_learned, "tuned": _tuned}
+_WITH_LIMITS: dict[str, Callable[[str], Controller]] = {
+    "learned": load_learned,
+    "together": _together,
+    "tuned": _tuned,
+}

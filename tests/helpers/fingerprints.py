@@ -130,7 +130,7 @@ def decisions():
         "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(_policies_on_maps()),
         "open-loop": of_each_recipe(packaged_open_loops()), "reacting-loop": packaged_open_loops()[::20],
         "tuned": of_each_recipe(packaged_tuned()), "optimal": ["onemax", "onemax-four"],
-        "share": ["lambda", "four"],
+        "share": ["lambda", "four"], "together": ["three-cases"],
     }  # fmt: skip
     for family in CONTROLLERS:
         for argument in shipped.get(family, [""]):

@@ -28,6 +28,9 @@ RECIPES = {
     },
     L_SHADE: {"lshade-search": "learned, evolution", "both-search": "learned on both optimizers"},
 }
+# Ends the name of a row whose policies, of at least so many training seeds, decide together.
+TOGETHER = ", together"
+LEAST_TOGETHER = 3
 # Recipes whose policies run in dimensions that are not compared, too, and recipes whose policies run blinded.
 ANY_DIMENSION = ("cma-search", "cma-search-longer", "cma-search-ppo")
 BLINDED_TOO = ("cma-search-longer", "cma-search-restarts")
@@ -109,12 +112,15 @@ def _tuned(name: str, optimizer: str) -> list[Entrant]:
 
 
 def _learned(name: str, optimizer: str) -> list[Entrant]:
-    """Return the rows of the policies of an optimizer, as far as there are any."""
-    return [
-        Entrant(f"{name}, {label}", optimizer, policies, None, ITERATIONS[recipe])
-        for recipe, label in RECIPES[optimizer].items()
-        if (policies := packaged_seeds(recipe))
-    ]
+    """Return the rows of the policies of an optimizer, as far as there are any, one by one and together."""
+    rows = []
+    for recipe, label in RECIPES[optimizer].items():
+        row = Entrant(f"{name}, {label}", optimizer, packaged_seeds(recipe), None, ITERATIONS[recipe])
+        if row.controllers:
+            rows.append(row)
+        if len(row.controllers) >= LEAST_TOGETHER:
+            rows.append(row._replace(name=f"{row.name}{TOGETHER}", controllers=(f"together:{recipe}",)))
+    return rows
 
 
 def entrants_on_bbob(dimension: int) -> list[Entrant]:

@@ -12,7 +12,7 @@ from experiments.studies.strong.grounds import (
     OTHERS,
 )
 from experiments.studies.strong.measured_gaps import Floats, Measured
-from experiments.studies.strong.tables_of_gaps import mean
+from experiments.studies.strong.tables_of_gaps import difference, mean
 from experiments.tables import Table
 from experiments.tables.cell import MISSING, Entry, number
 from swarm_gym.reward import LEAST_GAP
@@ -34,13 +34,13 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
         row: dict[str, Entry] = {
             "row": name,
             "at the end": mean(final[name], len(INSTANCES)),
-            "minus the tuned constant": _difference(final, name, CONSTANT),
-            "minus the tuned schedule": _difference(final, name, SCHEDULE),
-            "minus itself blinded": _difference(final, name, _blinded(name)),
+            "minus the tuned constant": difference(final, name, CONSTANT, len(INSTANCES)),
+            "minus the tuned schedule": difference(final, name, SCHEDULE, len(INSTANCES)),
+            "minus itself blinded": difference(final, name, _blinded(name), len(INSTANCES)),
             "anytime": mean(anytime[name], len(INSTANCES)),
-            "anytime, minus the tuned constant": _difference(anytime, name, CONSTANT),
-            "anytime, minus the tuned schedule": _difference(anytime, name, SCHEDULE),
-            "anytime, minus itself blinded": _difference(anytime, name, _blinded(name)),
+            "anytime, minus the tuned constant": difference(anytime, name, CONSTANT, len(INSTANCES)),
+            "anytime, minus the tuned schedule": difference(anytime, name, SCHEDULE, len(INSTANCES)),
+            "anytime, minus itself blinded": difference(anytime, name, _blinded(name), len(INSTANCES)),
         }
         for dimension in OTHERS:
             row[f"at the end, {dimension} dimensions"] = _in_dimension(measured[dimension].get(name))
@@ -68,10 +68,3 @@ def _in_dimension(row: Measured | None) -> Entry:
 
 def _logarithms(gaps: list[Floats]) -> Floats:
     return np.log10(np.maximum(np.concatenate(gaps, axis=1), LEAST_GAP))
-
-
-def _difference(values: Mapping[str, Floats], name: str, rival: str) -> Entry:
-    """Return the difference to a rival of one or as many training seeds, between runs of equal seeds."""
-    if name == rival or rival not in values:
-        return MISSING
-    return mean(values[name] - values[rival], len(INSTANCES), "+.2f")

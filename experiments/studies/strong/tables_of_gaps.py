@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from experiments.studies.strong.beside_published import beside_published, is_level
+from experiments.studies.strong.entrants import TOGETHER
 from experiments.studies.strong.measured_gaps import Floats, Measured
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, Gap, average_ranks
 from experiments.tables import Table
@@ -36,16 +37,19 @@ def gaps_of(row: Measured) -> dict[int, Gap]:
 
 def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[int, Gap]]) -> Table:
     ranks = average_ranks(published)
+    final = {name: np.log10(np.maximum(row.final, LEAST_GAP)) for name, row in measured.items()}
     runs = sorted({row.final.shape[2] for row in measured.values()})
     rows: list[dict[str, Entry]] = [
         {
             "row": name,
-            "training seeds": number(len(row.final), ".0f") if _is_learned(name) else MISSING,
+            "training seeds": _training_seeds(measured, name),
             "functions level or ahead": number(
                 sum(is_level(f, published[name][f]) for f in FUNCTIONS), ".0f"
             ),
             "average rank": number(ranks[name], ".2f"),
-            "log10 gap at the end": mean(np.log10(np.maximum(row.final, LEAST_GAP))),
+            "log10 gap at the end": mean(final[name]),
+            "minus the tuned constant": difference(final, name, f"{_optimizer(name)}, constant tuned"),
+            "minus the tuned schedule": difference(final, name, f"{_optimizer(name)}, schedule tuned"),
             "log10 gap, anytime": mean(row.anytime),
         }
         for name, row in measured.items()
@@ -54,15 +58,38 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
         f"The 16 functions for tests of MetaBox, 10 dimensions, {EVALUATIONS:,} evaluations, "
         f"{' or '.join(map(str, runs))} runs on each function. Functions on which the mean gap is level with "
         "or ahead of the best of the 20 published methods, where gaps below 1e-8 are level; average rank "
-        "among these methods and all rows; mean log10 of the gap, at least 1e-8, at the end and over all "
-        "evaluations (anytime), with 95 % intervals over runs and training seeds. Of functions, a high count "
-        "is good; in the other columns, a low number"
+        "among these methods and all rows; mean log10 of the gap, at least 1e-8, at the end, its differences "
+        "to the rivals of the same optimizer that see nothing, and its mean over all evaluations (anytime), "
+        "with 95 % intervals over runs and training seeds. Of functions, a high count is good; in the other "
+        "columns, a low number"
     )
     return Table.of("in-short", caption, rows)
 
 
-def _is_learned(name: str) -> bool:
-    return "learned" in name
+def _training_seeds(measured: Mapping[str, Measured], name: str) -> Entry:
+    """Return the number of policies of a row of policies, also if they decide together."""
+    one_by_one = measured.get(name.removesuffix(TOGETHER))
+    if "learned" not in name or one_by_one is None:
+        return MISSING
+    return number(len(one_by_one.final), ".0f")
+
+
+def _optimizer(name: str) -> str:
+    return name.partition(",")[0]
+
+
+def difference(values: Mapping[str, Floats], name: str, rival: str, instances: int = 1) -> Entry:
+    """Return the difference to a rival of one or as many training seeds, between runs of equal seeds.
+
+    Args:
+        values: (training seeds, scenarios, runs) of each row, with all instances of a function side by side.
+        name: name of a row.
+        rival: name of its rival.
+        instances: number of instances of each function.
+    """
+    if name == rival or rival not in values:
+        return MISSING
+    return mean(values[name] - values[rival], instances, "+.2f")
 
 
 def mean(values: Floats, instances: int = 1, spec: str = ".2f") -> Entry:

@@ -30,10 +30,12 @@ def test_rows_are_constants_rules_and_policies_of_both_optimizers():
         *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP",
         "CMA-ES, PSA", "CMA-ES, constant tuned", "CMA-ES, schedule tuned", "CMA-ES, early restarts",
     ]  # fmt: skip
-    assert names[-7:] == [
+    assert names[-9:] == [
         "L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100", "L-SHADE, constant tuned",
-        "L-SHADE, schedule tuned", "L-SHADE, learned, evolution", "L-SHADE, learned on both optimizers",
+        "L-SHADE, schedule tuned", "L-SHADE, learned, evolution", "L-SHADE, learned, evolution, together",
+        "L-SHADE, learned on both optimizers", "L-SHADE, learned on both optimizers, together",
     ]  # fmt: skip
+    assert "CMA-ES, learned, PPO, together" not in names  # two training seeds
 
 
 def test_reductions_end_with_the_budget():
@@ -106,12 +108,13 @@ def test_policies_have_the_budget_of_the_dimension_and_not_of_their_training(tmp
         return Episodes(gap, gap, gap, gap[:, None], gap[:, None])
 
     monkeypatch.setattr(measured_gaps, "run_episodes", run)
-    policies, blinded = (
+    policies, together, blinded = (
         one._replace(controllers=one.controllers[:1])
         for one in entrants_on_bbob(20)
         if one.name.startswith("CMA-ES, learned, evolution, longer")
     )
-    for one in (policies, blinded):
+    assert together.controllers == ("together:cma-search-longer",)
+    for one in (policies, together, blinded):
         measure(one, 3, tmp_path, bbob(20))
     assert budgets == {(40_000, 40_000)}
     measure(policies, 3, tmp_path)
@@ -155,15 +158,21 @@ def test_the_short_table_counts_functions_and_means():
             "CMA-ES, lambda 10": row(ahead),
             "CMA-ES, IPOP": row(behind),
             "L-SHADE, learned, evolution": row(ahead, 2),
+            "L-SHADE, learned, evolution, together": row(ahead),
+            "L-SHADE, constant tuned": row(behind),
         }
     )
     counts = [float(line[2].numbers["value"]) for line in short.rows]
-    assert counts == [16.0, 4.0, 16.0]
-    assert str(short.rows[2][1]) == "2"
+    assert counts == [16.0, 4.0, 16.0, 16.0, 4.0]
+    assert [str(line[1]) for line in short.rows] == ["–", "–", "2", "2", "–"]  # training seeds
     assert short.rows[0][3].numbers["value"] == pytest.approx(1.0)
     expected = np.log10(np.maximum(behind, 1e-8)).mean()
     assert short.rows[1][4].numbers["value"] == pytest.approx(expected)
-    assert short.rows[1][5].numbers["value"] == pytest.approx(expected + 1.0)
+    assert short.rows[1][7].numbers["value"] == pytest.approx(expected + 1.0)
+    assert [str(short.rows[k][5]) for k in (0, 1, 4)] == ["–"] * 3  # there is no such rival of CMA-ES
+    minus = np.log10(np.maximum(ahead, 1e-8)).mean() - expected
+    assert [short.rows[k][5].numbers["value"] for k in (2, 3)] == pytest.approx([minus, minus])
+    assert {str(line[6]) for line in short.rows} == {"–"}  # no tuned schedule
     # All runs of a function are equal, and functions are given: the interval has no width.
     assert short.rows[1][4].numbers["low"] == pytest.approx(expected)
     assert by_function.columns[2:] == ("CMA-ES, lambda 10", "L-SHADE, learned, evolution")

@@ -44,6 +44,7 @@ ARGUMENTS = {
     "learned": policies_on_maps(),
     "reacting-loop": ["three-cases", "three-cases-sourced/0@1"],
     "spsfa": ["", "growth=500,smallest=20"],
+    "together": ["three-cases@1", "three-cases/0,three-cases/1"],
     "tuned": packaged_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
 }
