@@ -41,14 +41,14 @@ ONE_MAX = (
 # Constants of CMA-ES around the best one, restarts, policies; L-SHADE with rules, tuned and learned.
 STRONG = (
     "CMA-ES, lambda 20", "CMA-ES, BIPOP", "CMA-ES, constant tuned", "CMA-ES, early restarts",
-    "CMA-ES, learned, evolution, longer", "L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, constant tuned",
-    "L-SHADE, schedule tuned", "L-SHADE, learned, evolution",
+    "CMA-ES, learned, evolution, longer", "CMA-ES, learned from early restarts, together", "L-SHADE, linear",
+    "L-SHADE, nlpsr", "L-SHADE, constant tuned", "L-SHADE, learned, evolution",
 )  # fmt: skip
 # CMA-ES on BBOB: sizes, restarts, what was tuned, and policies with one that is blinded.
 ON_BBOB = (
     "CMA-ES, default lambda", "CMA-ES, lambda 20", "CMA-ES, IPOP", "CMA-ES, constant tuned",
     "CMA-ES, schedule tuned", "CMA-ES, early restarts", "CMA-ES, learned, evolution, longer",
-    "CMA-ES, learned, evolution, longer, blinded",
+    "CMA-ES, learned, evolution, longer, together", "CMA-ES, learned, evolution, longer, blinded",
 )  # fmt: skip
 ON_BBOB_COLUMNS = (
     "row", "at the end", "minus the tuned constant", "anytime", "anytime, minus the tuned constant",
