@@ -9,9 +9,9 @@ import shapely
 from helpers.builders import make_problem, problem_of, small_grid_problem
 from helpers.newcomers import drawn, naively_drawn
 from oracles.naive_sources import Source, covariance
-from swarm_gym.problem import AnalyticProblem, GridProblem
+from swarm_gym.problem import AnalyticProblem, GridProblem, TerrainProblem
 from swarm_gym.problem.geometry.bends import BENDS, HARMONICS, NUM_MODES, STOMP, modes, modes_of_components
-from swarm_gym.scenarios import GridMap, GridScenario, Scenario
+from swarm_gym.scenarios import GridMap, GridScenario, Scenario, TerrainScenario
 
 # A square of which the line is the middle: no bend of half the width is clipped.
 OPEN = Scenario("open", (100.0, 500.0), (900.0, 500.0), (), (0.0, 0.0, 1000.0, 1000.0))
@@ -102,6 +102,21 @@ def test_the_largest_offset_is_uniform_up_to_the_amplitude(bends, amplitude):
     shares = np.abs(positions).max(axis=1) / (amplitude * 1000.0)
     assert shares.max() <= 1.0 + 1e-12
     assert distance_from_uniform(shares) < 1.63 / math.sqrt(count)  # at the level of 1 %
+
+
+@kinds
+def test_around_planned_flights_the_largest_offset_has_the_law_of_a_third_power(bends):
+    flat = TerrainScenario(
+        "flat", np.zeros((101, 101)), (10.0, 500.0, 150.0), (990.0, 500.0, 150.0), cell=10.0
+    )
+    count, n = 1500, 10
+    for ways, power in ((None, 1), (np.zeros((4, 2 * n)), 3)):
+        problem = TerrainProblem(flat, ways=ways)
+        positions, _, _ = drawn(problem, Source(1.0, 0.1, bends), count)
+        for offsets, largest in ((positions[:, :n], 0.1 * problem.table.width), (positions[:, n:], 10.0)):
+            shares = np.abs(offsets).max(axis=1) / largest
+            assert shares.max() <= 1.0 + 1e-12
+            assert distance_from_uniform(shares ** (1 / power)) < 1.63 / math.sqrt(count)
 
 
 @kinds
