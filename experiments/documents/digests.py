@@ -17,7 +17,7 @@ from experiments.runs.groups import group_controllers
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.onemax import q_policies
 from experiments.studies.onemax.tables import FOUR, RECIPES
-from experiments.studies.strong.entrants import entrants
+from experiments.studies.strong.entrants import controller_of, entrants
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.names import BLINDED, ControllerName
@@ -105,7 +105,7 @@ def digests_of_strong() -> dict[str, str]:
     """Return the digests of the rows of the study of strong optimizers, by the names of rows."""
     found = {}
     for one in entrants():
-        identity = [make_controller(name, one.limits).identity() for name in one.controllers]
+        identity = [controller_of(one, name).identity() for name in one.controllers]
         found[one.name] = digest([one.optimizer, one.iterations, identity])
     return found | digests_of_results(one.optimizer for one in entrants())
 

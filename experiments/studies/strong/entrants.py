@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.evaluation.masking import load_blinded
 from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.grounds import COMPARED
 from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.learned.together import load_together
 from swarm_gym.controllers.names import BLINDED
 from swarm_gym.controllers.size_rules import LinearReduction, NonLinearReduction
 
@@ -30,6 +32,7 @@ RECIPES = {
 }
 # Ends the name of a row whose policies, of at least so many training seeds, decide together.
 TOGETHER = ", together"
+BLINDED_TOGETHER = f"{BLINDED}:together:"  # begins the name of a controller of this study, before a recipe
 LEAST_TOGETHER = 3
 # Recipes whose policies run in dimensions that are not compared, too, and recipes whose policies run blinded.
 ANY_DIMENSION = ("cma-search", "cma-search-longer", "cma-search-ppo")
@@ -85,7 +88,8 @@ def entrants() -> list[Entrant]:
         *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in RULES),
         *_tuned("CMA-ES", CMA_ES),
         Entrant(EARLY_RESTARTS, CMA_ES, ("early-restarts",)),
-        *_learned("CMA-ES", CMA_ES),
+        *(learned := _learned("CMA-ES", CMA_ES)),
+        *(_blinded(one) for one in _of_recipes(learned, BLINDED_TOO)),
         Entrant(
             "L-SHADE, linear",
             L_SHADE,
@@ -126,8 +130,8 @@ def _learned(name: str, optimizer: str) -> list[Entrant]:
 def entrants_on_bbob(dimension: int) -> list[Entrant]:
     """Return the rows of CMA-ES in a dimension; rules begin with its default size.
 
-    Sizes of L-SHADE here are for ten dimensions. The compared dimensions also have some policies
-    blinded. Others have the default size, the tuned rivals and some policies alone.
+    Sizes of L-SHADE here are for ten dimensions. Dimensions that are not compared have the default size, the
+    tuned rivals and some policies alone.
     """
     size = default_size(dimension)
     rows = [Entrant("CMA-ES, default lambda", CMA_ES, (f"fixed:{size}",))]
@@ -135,16 +139,16 @@ def entrants_on_bbob(dimension: int) -> list[Entrant]:
         (first, *_) = one.controllers
         if one.optimizer == CMA_ES:
             rows.append(one._replace(controllers=(f"{first}:start={size}",)) if first in RULES else one)
-    policies = [one for one in rows if one.limits is None]
     if dimension in COMPARED:
-        return rows + [_blinded(one) for one in _of_recipes(policies, BLINDED_TOO)]
-    kept = (rows[0], *_of_recipes(policies, ANY_DIMENSION))
+        return rows
+    kept = [rows[0], *(one for one in _of_recipes(rows, ANY_DIMENSION) if not one.name.endswith(TOGETHER))]
     return [one for one in rows if one.controllers[0].startswith("open-loop") or one in kept]
 
 
-def _of_recipes(policies: list[Entrant], recipes: tuple[str, ...]) -> list[Entrant]:
-    labels = {f"CMA-ES, {RECIPES[CMA_ES][recipe]}" for recipe in recipes}
-    return [one for one in policies if one.name in labels]
+def _of_recipes(rows: list[Entrant], recipes: tuple[str, ...]) -> list[Entrant]:
+    """Return the rows of the policies of some recipes, one by one and together."""
+    labels = [f"CMA-ES, {RECIPES[CMA_ES][recipe]}" for recipe in recipes]
+    return [one for one in rows if one.name.removesuffix(TOGETHER) in labels]
 
 
 def default_size(dimension: int) -> int:
@@ -153,12 +157,15 @@ def default_size(dimension: int) -> int:
 
 
 def _blinded(policies: Entrant) -> Entrant:
-    controllers = tuple(name.replace("learned:", f"{BLINDED}:") for name in policies.controllers)
+    names = (name.replace("together:", BLINDED_TOGETHER) for name in policies.controllers)
+    controllers = tuple(name.replace("learned:", f"{BLINDED}:") for name in names)
     return policies._replace(name=f"{policies.name}, blinded", controllers=controllers)
 
 
 def controller_of(entrant: Entrant, name: str) -> Controller:
     """Return a controller of a row by its name; policies, also blinded ones, are made once."""
+    if name.startswith(BLINDED_TOGETHER):
+        return load_together(name.removeprefix(BLINDED_TOGETHER), None, load_blinded)
     return controller_of_name(name) if entrant.limits is None else make_controller(name, entrant.limits)
 
 

@@ -108,13 +108,14 @@ def test_policies_have_the_budget_of_the_dimension_and_not_of_their_training(tmp
         return Episodes(gap, gap, gap, gap[:, None], gap[:, None])
 
     monkeypatch.setattr(measured_gaps, "run_episodes", run)
-    policies, together, blinded = (
+    policies, together, blinded, blinded_together = (
         one._replace(controllers=one.controllers[:1])
         for one in entrants_on_bbob(20)
         if one.name.startswith("CMA-ES, learned, evolution, longer")
     )
     assert together.controllers == ("together:cma-search-longer",)
-    for one in (policies, together, blinded):
+    assert blinded_together.name.endswith(", together, blinded")
+    for one in (policies, together, blinded, blinded_together):
         measure(one, 3, tmp_path, bbob(20))
     assert budgets == {(40_000, 40_000)}
     measure(policies, 3, tmp_path)
@@ -168,11 +169,11 @@ def test_the_short_table_counts_functions_and_means():
     assert short.rows[0][3].numbers["value"] == pytest.approx(1.0)
     expected = np.log10(np.maximum(behind, 1e-8)).mean()
     assert short.rows[1][4].numbers["value"] == pytest.approx(expected)
-    assert short.rows[1][7].numbers["value"] == pytest.approx(expected + 1.0)
+    assert short.rows[1][8].numbers["value"] == pytest.approx(expected + 1.0)
     assert [str(short.rows[k][5]) for k in (0, 1, 4)] == ["–"] * 3  # there is no such rival of CMA-ES
     minus = np.log10(np.maximum(ahead, 1e-8)).mean() - expected
     assert [short.rows[k][5].numbers["value"] for k in (2, 3)] == pytest.approx([minus, minus])
-    assert {str(line[6]) for line in short.rows} == {"–"}  # no tuned schedule
+    assert {str(line[column]) for line in short.rows for column in (6, 7)} == {"–"}
     # All runs of a function are equal, and functions are given: the interval has no width.
     assert short.rows[1][4].numbers["low"] == pytest.approx(expected)
     shown = ("CMA-ES, lambda 10", "L-SHADE, constant tuned", "L-SHADE, learned, evolution")
