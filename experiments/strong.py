@@ -70,7 +70,7 @@ def write(config: StrongConfig) -> list[Path]:
     policies = {
         one.name: choose(one, config.output / "sizes")
         for one in chosen
-        if one.limits is None and one.optimizer == CMA_ES and not one.name.endswith(TOGETHER)
+        if one.limits is None and one.optimizer == CMA_ES and not one.name.endswith((TOGETHER, "blinded"))
     }
     if policies:
         with settings():
