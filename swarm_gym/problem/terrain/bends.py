@@ -2,8 +2,8 @@
 
 Both bends are drawn on their own. The largest offset sideways is a share of amplitude times the width of the
 map. That upwards is a share of amplitude times the height of the band. Around the line these shares are
-uniform. Around planned flights they are third powers of uniform shares, since small offsets often touch a threat or
-the ground: with uniform ones, swarms were behind the planned flights after 2,500 evaluations.
+uniform. Around planned flights they are third powers of uniform shares, since small offsets often touch a
+threat or the ground: with uniform ones, swarms were behind the planned flights after 2,500 evaluations.
 """
 
 import math
