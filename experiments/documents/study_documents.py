@@ -50,6 +50,10 @@ ON_BBOB = (
     "CMA-ES, schedule tuned", "CMA-ES, early restarts", "CMA-ES, learned, evolution, longer",
     "CMA-ES, learned, evolution, longer, together", "CMA-ES, learned, evolution, longer, blinded",
 )  # fmt: skip
+STRONG_COLUMNS = (
+    "row", "training seeds", "functions level or ahead", "average rank", "log10 gap at the end",
+    "minus the tuned constant", "minus itself blinded", "log10 gap, anytime",
+)  # fmt: skip
 ON_BBOB_COLUMNS = (
     "row", "at the end", "minus the tuned constant", "anytime", "anytime, minus the tuned constant",
     "anytime, minus itself blinded", "at the end, 3 dimensions", "at the end, 40 dimensions",
@@ -122,7 +126,7 @@ def _strong(results: ResultsFolder) -> str:
     name = "strong-optimizers/in-short"
     results.show("strong-optimizers/decisions.svg")
     _show(results, "gaps", draw_gaps, results.table(name))
-    return shortened(name, STRONG, results)
+    return shortened(name, STRONG, results, STRONG_COLUMNS)
 
 
 def _control(results: ResultsFolder) -> str:

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.evaluation.masking import load_blinded
 from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.grounds import COMPARED
@@ -165,7 +164,8 @@ def _blinded(policies: Entrant) -> Entrant:
 def controller_of(entrant: Entrant, name: str) -> Controller:
     """Return a controller of a row by its name; policies, also blinded ones, are made once."""
     if name.startswith(BLINDED_TOGETHER):
-        return load_together(name.removeprefix(BLINDED_TOGETHER), None, load_blinded)
+        recipe = name.removeprefix(BLINDED_TOGETHER)
+        return load_together(recipe, None, lambda policy, _: controller_of_name(f"{BLINDED}:{policy}"))
     return controller_of_name(name) if entrant.limits is None else make_controller(name, entrant.limits)
 
 
