@@ -42,7 +42,7 @@ ONE_MAX = (
 STRONG = (
     "CMA-ES, lambda 20", "CMA-ES, BIPOP", "CMA-ES, constant tuned", "CMA-ES, early restarts",
     "CMA-ES, learned, evolution, longer", "CMA-ES, learned from early restarts, together", "L-SHADE, linear",
-    "L-SHADE, nlpsr", "L-SHADE, constant tuned", "L-SHADE, learned, evolution",
+    "L-SHADE, constant tuned", "L-SHADE, learned, evolution",
 )  # fmt: skip
 # CMA-ES on BBOB: sizes, restarts, what was tuned, and policies with one that is blinded.
 ON_BBOB = (
