@@ -195,7 +195,7 @@ docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/ter
 	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
 	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer
 	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
-	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --output results/terrain/eight
+	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants cmaes pymoo niapy mealpy --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2
 	$(BIN)/python -m experiments.terrain --beside-metabox --output results/terrain/speed
 	$(BIN)/python -m experiments.publish terrain

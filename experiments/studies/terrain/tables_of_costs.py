@@ -20,8 +20,8 @@ SHOWN = (
 
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
-    "L-SHADE, constants, with sources, waypoints, guided", "L-SHADE, SPSFA-TIP, waypoints, guided",
-    "L-SHADE, waypoints, guided", "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
+    "L-SHADE, blind schedule, with sources, waypoints, guided",
+    "L-SHADE, learned, with sources, waypoints, guided", "L-SHADE, waypoints, guided", "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
     "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "mealpy L-SHADE, waypoints",
     "PSO, spherical, uniform",
 )  # fmt: skip
@@ -64,8 +64,8 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         excess = excess_of(costs, best)  # (terrains, budgets, runs)
         row: dict[str, Entry] = {"optimizer, encoding, source": name}
         for k, evaluations in enumerate(asked.evaluations):
-            row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".0f")
-            row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".0f")
+            row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".1f")
+            row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".1f")
         row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
         if peer:
             row["below the best peer"] = _below(measured, name, peer)
