@@ -18,7 +18,14 @@ from experiments.plots.style import settings, write_figure
 from experiments.studies.strong.beside_libraries import OURS, beside_libraries, run_all
 from experiments.studies.strong.beside_pycma import beside_pycma, run_both
 from experiments.studies.strong.decisions import choose, draw_decisions
-from experiments.studies.strong.entrants import CMA_ES, TOGETHER, Entrant, entrants, entrants_on_bbob
+from experiments.studies.strong.entrants import (
+    CMA_ES,
+    TOGETHER,
+    WITHOUT_SIGHT,
+    Entrant,
+    entrants,
+    entrants_on_bbob,
+)
 from experiments.studies.strong.grounds import COMPARED, OTHERS, bbob
 from experiments.studies.strong.measured_gaps import measure_all
 from experiments.studies.strong.on_bbob import on_bbob
@@ -70,7 +77,7 @@ def write(config: StrongConfig) -> list[Path]:
     policies = {
         one.name: choose(one, config.output / "sizes")
         for one in chosen
-        if one.limits is None and one.optimizer == CMA_ES and not one.name.endswith((TOGETHER, "blinded"))
+        if one.limits is None and one.optimizer == CMA_ES and not one.name.endswith((TOGETHER, WITHOUT_SIGHT))
     }
     if policies:
         with settings():

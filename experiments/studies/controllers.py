@@ -3,7 +3,7 @@
 import copy
 
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.learned.policy_file import policies_of
 
 
 def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
@@ -14,7 +14,7 @@ def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
 
 def packaged_seeds(recipe: str) -> tuple[str, ...]:
     """Return the names of the policies of a recipe that are there, one for each training seed."""
-    return tuple(f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/"))
+    return tuple(f"learned:{name}" for name in policies_of(recipe))
 
 
 def with_budget(controller: Controller, evaluations: int) -> Controller:

@@ -181,7 +181,10 @@ def _reach(table: TerrainTable, node: Floats, other: Floats, has_step: bool, pen
 
 @kernel
 def _step(table: TerrainTable, node: Floats, other: Floats, has_step: bool) -> float:
-    """Return the documented cost of a flight to a node by way of another one, or a part above that before."""
+    """Return the documented cost of a flight to a node by way of another one.
+
+    It may lack terms where it is above the cost of the node without them.
+    """
     dx, dy, rise = node[_X] - other[_X], node[_Y] - other[_Y], node[_Z] - other[_Z]
     climb = DEGREES * arctangent(rise, math.sqrt(dx * dx + dy * dy))
     cost = 0.0 if not has_step else other[_COST]
@@ -201,7 +204,7 @@ def _step(table: TerrainTable, node: Floats, other: Floats, has_step: bool) -> f
 
 @kernel
 def _step_as_coded(table: TerrainTable, node: Floats, other: Floats, has_step: bool, penalty: float) -> float:
-    """Return the cost `metabox` of a flight to a node by way of another one."""
+    """Return the cost `metabox` of a flight to a node by way of another one, as `_step`."""
     dx, dy, rise = node[_X] - other[_X], node[_Y] - other[_Y], node[_Z] - other[_Z]
     level = math.sqrt(dx * dx + dy * dy)
     cost = _LENGTH * math.sqrt(level * level + rise * rise)

@@ -31,6 +31,7 @@ RECIPES = {
 }
 # Ends the name of a row whose policies, of at least so many training seeds, decide together.
 TOGETHER = ", together"
+WITHOUT_SIGHT = ", blinded"  # ends the name of a row of blinded policies
 BLINDED_TOGETHER = f"{BLINDED}:together:"  # begins the name of a controller of this study, before a recipe
 LEAST_TOGETHER = 3
 # Recipes whose policies run in dimensions that are not compared, too, and recipes whose policies run blinded.
@@ -158,7 +159,7 @@ def default_size(dimension: int) -> int:
 def _blinded(policies: Entrant) -> Entrant:
     names = (name.replace("together:", BLINDED_TOGETHER) for name in policies.controllers)
     controllers = tuple(name.replace("learned:", f"{BLINDED}:") for name in names)
-    return policies._replace(name=f"{policies.name}, blinded", controllers=controllers)
+    return policies._replace(name=f"{policies.name}{WITHOUT_SIGHT}", controllers=controllers)
 
 
 def controller_of(entrant: Entrant, name: str) -> Controller:

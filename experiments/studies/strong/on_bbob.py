@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from experiments.studies.strong.entrants import WITHOUT_SIGHT
 from experiments.studies.strong.grounds import (
     COMPARED,
     EVALUATIONS_PER_DIMENSION,
@@ -36,11 +37,13 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
             "at the end": mean(final[name], len(INSTANCES)),
             "minus the tuned constant": difference(final, name, CONSTANT, len(INSTANCES)),
             "minus the tuned schedule": difference(final, name, SCHEDULE, len(INSTANCES)),
-            "minus itself blinded": difference(final, name, _blinded(name), len(INSTANCES)),
+            "minus itself blinded": difference(final, name, f"{name}{WITHOUT_SIGHT}", len(INSTANCES)),
             "anytime": mean(anytime[name], len(INSTANCES)),
             "anytime, minus the tuned constant": difference(anytime, name, CONSTANT, len(INSTANCES)),
             "anytime, minus the tuned schedule": difference(anytime, name, SCHEDULE, len(INSTANCES)),
-            "anytime, minus itself blinded": difference(anytime, name, _blinded(name), len(INSTANCES)),
+            "anytime, minus itself blinded": difference(
+                anytime, name, f"{name}{WITHOUT_SIGHT}", len(INSTANCES)
+            ),
         }
         for dimension in OTHERS:
             row[f"at the end, {dimension} dimensions"] = _in_dimension(measured[dimension].get(name))
@@ -56,10 +59,6 @@ def on_bbob(measured: Mapping[int, Mapping[str, Measured]]) -> Table:
         "Lower is closer"
     )
     return Table.of("on-bbob", caption, rows)
-
-
-def _blinded(name: str) -> str:
-    return f"{name}, blinded"
 
 
 def _in_dimension(row: Measured | None) -> Entry:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from experiments.studies.strong.beside_published import beside_published, is_level
-from experiments.studies.strong.entrants import TOGETHER
+from experiments.studies.strong.entrants import TOGETHER, WITHOUT_SIGHT
 from experiments.studies.strong.measured_gaps import Floats, Measured
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, Gap, average_ranks
 from experiments.tables import Table
@@ -51,7 +51,7 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
             "log10 gap at the end": mean(final[name]),
             "minus the tuned constant": difference(final, name, f"{_optimizer(name)}, constant tuned"),
             "minus the tuned schedule": difference(final, name, f"{_optimizer(name)}, schedule tuned"),
-            "minus itself blinded": difference(final, name, f"{name}, blinded"),
+            "minus itself blinded": difference(final, name, f"{name}{WITHOUT_SIGHT}"),
             "log10 gap, anytime": mean(row.anytime),
         }
         for name, row in measured.items()
@@ -70,7 +70,7 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
 
 def _training_seeds(measured: Mapping[str, Measured], name: str) -> Entry:
     """Return the number of policies of a row of policies, also if they decide together."""
-    one_by_one = measured.get(name.removesuffix(", blinded").removesuffix(TOGETHER))
+    one_by_one = measured.get(name.removesuffix(WITHOUT_SIGHT).removesuffix(TOGETHER))
     if "learned" not in name or one_by_one is None:
         return MISSING
     return number(len(one_by_one.final), ".0f")

@@ -7,7 +7,7 @@ from experiments.studies.controllers import with_budget
 from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, peer_rows, swarm_rows
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
-from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.learned.policy_file import policies_of
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.optimizers import get_optimizer
@@ -56,7 +56,7 @@ def learned_rows() -> list[AnyRow]:
     """Return the rows of the policies that are there, and of these policies blinded."""
     found: list[AnyRow] = []
     for (optimizer, decided), recipe in RECIPES.items():
-        policies = [name for name in packaged_policies() if name.startswith(f"{recipe}/")]
+        policies = policies_of(recipe)
         for family, label in (("learned", "learned"), (BLINDED, "learned, blinded")):
             if policies:
                 names = tuple(f"{family}:{name}" for name in policies)

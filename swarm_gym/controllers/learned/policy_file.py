@@ -42,6 +42,11 @@ def packaged_policies() -> list[str]:
     return POLICIES.names()
 
 
+def policies_of(recipe: str) -> list[str]:
+    """Return the names of the packaged policies of a recipe, one for each training seed."""
+    return [name for name in packaged_policies() if name.startswith(f"{recipe}/")]
+
+
 def resolve(name: str) -> Path:
     """Return the file of a packaged policy by its name, or the given path if it is a file.
 

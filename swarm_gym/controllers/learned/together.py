@@ -2,7 +2,7 @@
 
 The name is `together:<recipe>`, with the policies of all training seeds of that recipe, at `@<price>` if they
 observe one; or `together:<policy>,<policy>,...`, with packaged policies or files. Trainings of one recipe
-differ by chance, and rare bad decisions of one are outweighed by the others.
+differ by chance, which their mean evens out in part.
 
 Source: averaged members of an ensemble, L. Breiman, "Bagging predictors", Machine Learning 24 (1996).
 """
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.learned.policy_file import POLICIES, PolicyFileError, packaged_policies
+from swarm_gym.controllers.learned.policy_file import POLICIES, PolicyFileError, policies_of
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.size_limits import SizeLimits
 from swarm_gym.errors import shown
@@ -92,7 +92,7 @@ def _of_recipe(argument: str) -> list[str]:
             f"together:{argument}: expected a recipe, whose policies decide together, or several policies "
             f"with commas between them, got the policy {shown(argument)}"
         )
-    found = [policy for policy in packaged_policies() if policy.startswith(f"{name.recipe}/")]
+    found = policies_of(str(name.recipe))
     if not found:
         raise PolicyFileError(POLICIES.missing("recipe of policies", argument))
     return [f"{policy}{name.price_suffix}" for policy in found]
