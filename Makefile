@@ -18,8 +18,11 @@ EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
 # Packages that rows over terrain compare with. mealpy asks for NumPy 1.26 or older and works with newer ones.
 WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
-# Rows of 100,000 evaluations.
-UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
+# Rows over terrain of 100,000 evaluations, and how many runs each policy has with so many evaluations.
+LONGEST = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints" "CMA-ES, waypoints, guided" \
+    "fireflies, waypoints, guided" "fireflies, SPSFA-TIP, waypoints, guided" "multivariate, waypoints, smooth" \
+    "multivariate, waypoints, guided" "L-SHADE, learned" "planned flight"
+POLICY_RUNS = --policy-runs 7
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -192,8 +195,8 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
-	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
-	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer
+	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 $(POLICY_RUNS) --rows $(LONGEST) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
+	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 $(POLICY_RUNS) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longer
 	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
 	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants cmaes pymoo niapy mealpy --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2

@@ -45,6 +45,8 @@ class TerrainConfig:
     """Number of runs of each row on each terrain, for each policy."""
     peer_runs: int = 5
     """Number of runs of each row of another library on each terrain."""
+    policy_runs: int | None = None
+    """Number of runs of each policy of a row on each terrain; by default as many as `runs`."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. L-SHADE guided; by default all rows."""
     without: tuple[str, ...] = ()
@@ -69,12 +71,14 @@ def write(config: TerrainConfig) -> list[Path]:
         return [config.output / f"{table.name}.md"]
     require_integer("runs", config.runs, 1)
     require_integer("peer_runs", config.peer_runs, 1)
+    if config.policy_runs is not None:
+        require_integer("policy_runs", config.policy_runs, 1, config.runs)
     look_up("cost", config.cost, COSTS)
     for evaluations in config.evaluations:
         require_integer("evaluations", evaluations, 100)
     chosen = _chosen(config)
     terrains = [name for given in config.terrains for name in expand_name(given)]
-    asked = Asked(config.cost, tuple(config.evaluations), config.runs, config.peer_runs)
+    asked = Asked(config.cost, tuple(config.evaluations), config.runs, config.peer_runs, config.policy_runs)
     measured = measure_all(chosen, terrains, asked, config.output / "runs")
     if config.keep_best:
         collect(config.output / "runs", terrains)
@@ -106,10 +110,10 @@ def _control(
 ) -> list[Table]:
     """Return the table of controllers, if there are any and their flights have a measure."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow) and row.source == "guided"]
-    blind = [row for row in controlled if "learned" not in row.label]
+    blind = [row for row in controlled if not row.is_learned]
     if EVALUATIONS not in asked.evaluations or len(controlled) == len(blind) or np.isinf(known).any():
         return []
-    asked_once = Asked(asked.cost, (EVALUATIONS,), asked.runs, asked.peer_runs)
+    asked_once = asked._replace(evaluations=(EVALUATIONS,))
     found = measure_all(blind, expand_name(config.validation), asked_once, config.output / "runs")
     rivals = {}
     for optimizer in dict.fromkeys(row.optimizer for row in controlled):

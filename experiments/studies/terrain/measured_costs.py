@@ -36,14 +36,34 @@ class Asked(NamedTuple):
     Attributes:
         cost: name of the cost.
         evaluations: evaluation budgets, each of which has runs of its own.
-        runs: number of runs of a row, for each training seed.
+        runs: number of runs of a row.
         peer_runs: number of runs of a row of another library.
+        policy_runs: number of runs of each policy of a row; None is as many as `runs`.
     """
 
     cost: str
     evaluations: tuple[int, ...]
     runs: int
     peer_runs: int
+    policy_runs: int | None = None
+
+    def runs_of(self, row: AnyRow) -> int:
+        """Return the number of runs of each controller of a row."""
+        if isinstance(row, PlannedRow):
+            return 1
+        if isinstance(row, PeerRow):
+            return self.peer_runs
+        learned = isinstance(row, ControlledRow) and row.is_learned
+        return self.policy_runs if learned and self.policy_runs else self.runs
+
+    def in_words(self, *, peers: bool = False) -> str:
+        """Return the numbers of runs as a caption names them, with those of other libraries or without."""
+        others = [f"{self.policy_runs} of each policy"] if self.policy_runs else []
+        if peers and self.peer_runs != self.runs:
+            others.append(f"{self.peer_runs} of other libraries")
+        each = "" if self.policy_runs else ", of each policy where there are several"
+        listed = f" ({', '.join(others)})" if others else ""
+        return f"{self.runs} runs{listed}{each}"
 
 
 def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
@@ -54,7 +74,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
     scenario = make_scenario(terrain)
     encoding = row.encoding if isinstance(row, Row | PeerRow) else "waypoints"
     problem = make_problem(scenario, encoding=encoding, cost=asked.cost)
-    runs = {PeerRow: asked.peer_runs, PlannedRow: 1}.get(type(row), asked.runs)
+    runs = asked.runs_of(row)
     found: list[list[float]] = []
     for evaluations in asked.evaluations:
         if isinstance(row, ControlledRow) and not row.is_for(evaluations):

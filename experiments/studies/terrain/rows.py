@@ -95,6 +95,11 @@ class ControlledRow(NamedTuple):
     iterations: int | None = None
     longer: bool = True
 
+    @property
+    def is_learned(self) -> bool:
+        """True if the controllers are policies, one for each training seed."""
+        return self.label.startswith("learned")
+
     def iterations_of(self, evaluations: int) -> int:
         """Return the most iterations of an episode with an evaluation budget."""
         if self.iterations is None or self.evaluations is None:

@@ -57,22 +57,22 @@ def table_of_control(
         rival = rivals[row.optimizer]
         line: dict[str, Entry] = {
             "controller": row.name.removesuffix(f", waypoints, {row.source}"),
-            "policies": number(len(row.controllers), ".0f") if "learned" in row.label else MISSING,
+            "policies": number(len(row.controllers), ".0f") if row.is_learned else MISSING,
             f"excess, {FEW} threats": number(excess[:half].mean(), ".1f"),
             f"excess, {MANY} threats": number(excess[half:].mean(), ".1f"),
             "median": number(np.median(excess), ".1f"),
             "objective minus that of the rival": MISSING,
         }
         if row.name != rival:
-            line["objective minus that of the rival"] = _difference(
-                costs, measured[rival][:, budget], asked.runs
-            )
+            policies = costs.reshape(len(costs), len(row.controllers), -1)
+            line["objective minus that of the rival"] = _difference(policies, measured[rival][:, budget])
         lines.append(line)
     named = "; ".join(dict.fromkeys(rivals.values()))
     which = "the blind controller" if len(rivals) == 1 else "of each optimizer the blind controller"
+    runs = asked.policy_runs or asked.runs
     caption = (
         f"Controllers with guided members after {EVALUATIONS:,} evaluations, cost `{asked.cost}`, over "
-        f"{len(best)} test terrains and {asked.runs} runs of each policy. Excess over the best known flight "
+        f"{len(best)} test terrains and {runs} runs of each policy. Excess over the best known flight "
         f"in per cent, mean and median. Objective: 100 times the mean logarithm of the cost, minus that "
         f"of {named}, {which} with the least objective on terrains for validation [95 % interval over "
         "policies, terrains and runs]. Below 0 is a smaller cost"
@@ -80,11 +80,16 @@ def table_of_control(
     return Table.of(f"{asked.cost}-control", caption, lines)
 
 
-def _difference(costs: Floats, rival: Floats, runs: int) -> Entry:
-    """Return the difference of two objectives with its interval; runs of equal seeds are compared."""
-    terrains = len(costs)
-    mine, theirs = (np.log(one).reshape(terrains, -1, runs).swapaxes(0, 1) for one in (costs, rival))
-    differences = 100.0 * (mine - theirs.mean(axis=0))  # (policies, terrains, runs)
+def _difference(policies: Floats, rival: Floats) -> Entry:
+    """Return the difference of two objectives with its interval; runs of equal seeds are compared.
+
+    Args:
+        policies: (terrains, policies, runs) costs of one row.
+        rival: (terrains, at least as many runs) costs of the other.
+    """
+    terrains, _, runs = policies.shape
+    mine, theirs = np.log(policies).swapaxes(0, 1), np.log(rival[:, :runs])
+    differences = 100.0 * (mine - theirs)  # (policies, terrains, runs)
     halves = (terrains // 2, terrains - terrains // 2)
     ends = interval(means(differences, draw(len(differences), halves, runs)))
     return number_in(float(differences.mean()), ends, "+.1f")

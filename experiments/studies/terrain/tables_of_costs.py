@@ -71,18 +71,17 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         if peer:
             row["below the best peer"] = _below(measured, name, peer)
         found.append((float(np.nanmean(excess[:, 0])), row))
-    peers, below = "", ""
+    below = ""
     if peer:
-        peers = "" if asked.peer_runs == asked.runs else f" ({asked.peer_runs} of other libraries)"
         below = (
             f"Below the best peer: terrains on which the mean after {asked.evaluations[0]:,} is below that "
             f"of {peer}, the library row with the least mean excess. "
         )
     caption = (
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
-        f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.runs} runs{peers}, of each policy where "
-        f"there are several, after so many evaluations. First on terrains: where the mean is the least after "
-        f"{asked.evaluations[0]:,}. {below}What planning takes is not in the evaluations"
+        f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
+        f"many evaluations. First on terrains: where the mean is the least after {asked.evaluations[0]:,}. "
+        f"{below}What planning takes is not in the evaluations"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
     return Table.of(f"{asked.cost}-in-short", caption, rows)
@@ -93,9 +92,14 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     excess = {
         name: float((costs[:, 0] / best[:, None]).mean())
         for name, costs in measured.items()
-        if name.rpartition(", ")[0] in PEERS
+        if _is_peer(name)
     }
     return min(excess, key=lambda name: excess[name], default=None)
+
+
+def _is_peer(name: str) -> bool:
+    """Return whether a row is of another library."""
+    return name.rpartition(", ")[0] in PEERS
 
 
 def _below(measured: Mapping[str, Floats], name: str, peer: str) -> Entry:
@@ -119,9 +123,10 @@ def _by_terrain(measured: Mapping[str, Floats], terrains: Sequence[str], asked: 
             if name in SHOWN:
                 row[name] = number(float(costs[k, 0].mean()), ".0f")
         rows.append(row)
+    peers = any(name in SHOWN for name in measured if _is_peer(name))
     caption = (
         f"Mean of the cost `{asked.cost}` after {asked.evaluations[0]:,} evaluations by terrain, over "
-        f"{asked.runs} runs, and the cost of the best known flight"
+        f"{asked.in_words(peers=peers)}, and the cost of the best known flight"
     )
     return Table.of(f"{asked.cost}-by-terrain", caption, rows)
 

@@ -59,6 +59,10 @@ def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path
     constant = measure(ROW, little_terrain, ASKED, tmp_path)
     np.testing.assert_array_equal(costs[1, :3], constant[1])
     assert (costs[1, 3:] != constant[1]).any()
+    fewer = ASKED._replace(policy_runs=2)
+    assert measure(rule, little_terrain, fewer, tmp_path).shape == (2, 6)  # no policies
+    policies = measure(rule._replace(label="learned"), little_terrain, fewer, tmp_path)
+    np.testing.assert_array_equal(policies[1], costs[1, [0, 1, 3, 4]])
 
 
 @pytest.mark.parametrize("row", [ROW, PlannedRow(), PeerRow("pymoo DE", "spherical")])
@@ -119,7 +123,9 @@ def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     }  # fmt: skip
     short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4), NONE)
     assert "that of pymoo DE, spherical, the library row" in short.caption
-    assert "2 runs (4 of other libraries)" in short.caption
+    assert "2 runs (4 of other libraries), of each policy where there are several, after" in short.caption
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4, 1), NONE)
+    assert "2 runs (1 of each policy, 4 of other libraries), after" in short.caption
     found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
 
@@ -170,13 +176,18 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
     seen = np.concatenate([rival * np.exp(-0.02), rival * np.exp(-0.04)], axis=2)  # two policies
     blind = ControlledRow("constants", "firefly", "guided", ("fixed:20",))
     policy = ControlledRow("learned", "firefly", "guided", ("learned:a/0", "learned:a/1"))
-    table = table_of_control(
-        [blind, policy],
-        {blind.name: rival, policy.name: seen},
-        {"firefly": blind.name},
-        Asked("metabox", (EVALUATIONS,), 2, 2),
-        np.full(4, 10.0),
+    further = np.concatenate([rival, 9.0 * rival], axis=2)  # runs of seeds that the policies have not had
+    table, beside_further = (
+        table_of_control(
+            [blind, policy],
+            {blind.name: costs, policy.name: seen},
+            {"firefly": blind.name},
+            Asked("metabox", (EVALUATIONS,), costs.shape[2], 2, 2),
+            np.full(4, 10.0),
+        )
+        for costs in (rival, further)
     )
+    assert beside_further.rows[1] == table.rows[1]
     (_, none, few, *_, no_difference), (_, two, *_, difference) = table.rows
     assert str(none) == str(no_difference) == "–"
     assert two.numbers["value"] == 2
