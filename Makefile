@@ -18,11 +18,9 @@ EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
 # Packages that rows over terrain compare with. mealpy asks for NumPy 1.26 or older and works with newer ones.
 WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
-# Rows over terrain of 100,000 evaluations, and how many runs each policy has with so many evaluations.
-LONGEST = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints" "CMA-ES, waypoints, guided" \
-    "fireflies, waypoints, guided" "fireflies, SPSFA-TIP, waypoints, guided" "multivariate, waypoints, smooth" \
-    "multivariate, waypoints, guided" "L-SHADE, learned" "planned flight"
-POLICY_RUNS = --policy-runs 7
+# Rows over terrain of 100,000 evaluations, without planned flights and with them.
+UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
+PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "fireflies, SPSFA-TIP, waypoints, guided" "multivariate, waypoints, guided" "L-SHADE, learned, with sources" "planned flight"
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -195,13 +193,15 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
-	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 $(POLICY_RUNS) --rows $(LONGEST) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
-	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 $(POLICY_RUNS) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longer
+	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
+	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --policy-runs 7 --rows $(PLANNED) --keep-best --output results/terrain/longest-guided
+	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer
+	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --policy-runs 7 --rows guided "planned flight" --without CMA-ES PSO blinded --validation terrain:validation:0-7 --keep-best --output results/terrain/longer-guided
 	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
 	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants cmaes pymoo niapy mealpy --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2
 	$(BIN)/python -m experiments.terrain --beside-metabox --output results/terrain/speed
-	$(BIN)/python -m experiments.publish terrain
+	$(BIN)/python -m experiments.publish terrain terrain-budgets
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling

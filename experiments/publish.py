@@ -146,6 +146,7 @@ RECORDED = {
     "results": ("docs/paper", "study/headline", AT_BUDGETS),
     "strong-optimizers": ("strong-optimizers", AT_BUDGETS),
     "terrain": ("terrain",),
+    "terrain-budgets": ("terrain/longer-guided", "terrain/longest-guided"),
 }
 
 

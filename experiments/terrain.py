@@ -15,9 +15,9 @@ from experiments.documents.digests import digests_of_terrain
 from experiments.documents.records import commits_in, record_of, write_record
 from experiments.speed.beside_metabox import table_beside_metabox
 from experiments.studies.terrain.best_known import collect, least_costs
-from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, rows
+from experiments.studies.terrain.controllers_of_terrain import rows
 from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
-from experiments.studies.terrain.rows import AnyRow, ControlledRow
+from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
 from experiments.tables import Table
@@ -108,15 +108,17 @@ def _control(
     asked: Asked,
     known: Floats,
 ) -> list[Table]:
-    """Return the table of controllers, if there are any and their flights have a measure."""
-    controlled = [row for row in chosen if isinstance(row, ControlledRow) and row.source == "guided"]
-    blind = [row for row in controlled if not row.is_learned]
-    if EVALUATIONS not in asked.evaluations or len(controlled) == len(blind) or np.isinf(known).any():
+    """Return the table of controllers, if policies have blind rivals and their flights have a measure."""
+    controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
+    controlled.sort(key=lambda row: [*SIZES].index(row.optimizer))
+    learned = {row.optimizer for row in controlled if row.is_learned}
+    blind = [row for row in controlled if not row.is_learned and row.optimizer in learned]
+    if not blind or np.isinf(known).any():
         return []
-    asked_once = asked._replace(evaluations=(EVALUATIONS,))
+    asked_once = asked._replace(evaluations=asked.evaluations[:1])
     found = measure_all(blind, expand_name(config.validation), asked_once, config.output / "runs")
     rivals = {}
-    for optimizer in dict.fromkeys(row.optimizer for row in controlled):
+    for optimizer in dict.fromkeys(row.optimizer for row in blind):
         names = [row.name for row in blind if row.optimizer == optimizer]
         rivals[optimizer] = min(names, key=lambda name: objective(found[name]))
     return [table_of_control(controlled, measured, rivals, asked, known)]

@@ -26,10 +26,17 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     **dict.fromkeys(
         ("strong-optimizers", "strong-on-bbob", "beside-libraries", "beside-pycma"), digests_of_strong
     ),
-    "terrain-all": digests_of_terrain,
-    "terrain-longer": digests_of_terrain,
-    "terrain-longest": digests_of_terrain,
-    "terrain-eight": digests_of_terrain,
+    **dict.fromkeys(
+        (
+            "terrain-all",
+            "terrain-longer",
+            "terrain-longest",
+            "terrain-eight",
+            "terrain-longer-guided",
+            "terrain-longest-guided",
+        ),
+        digests_of_terrain,
+    ),
 }
 
 

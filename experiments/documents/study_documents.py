@@ -181,6 +181,12 @@ TERRAIN_TABLES: Mapping[str, Block] = {
     **texts(("documented-in-short", "documented-by-terrain"), "terrain/eight/"),
     **texts(("beside-metabox",), "terrain/speed/"),
 }
+# Rows with planned flights after more evaluations than those of the trainings.
+TERRAIN_BUDGETS: Mapping[str, Block] = {
+    "longer-control": partial(ResultsFolder.text, name="longer-guided/metabox-control.md"),
+    "longer-guided": partial(ResultsFolder.text, name="longer-guided/metabox-in-short.md"),
+    "longer-guided-by-terrain": partial(ResultsFolder.text, name="longer-guided/metabox-by-terrain.md"),
+}
 STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "bbob": (
         Document(Path("docs/bbob.md"), "docs/bbob", "bbob", "bbob", BBOB_BLOCKS),
@@ -203,4 +209,5 @@ STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/terrain.md"), "", "terrain", blocks=TERRAIN_BLOCKS),
         Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
     ),
+    "terrain-budgets": (Document(Path("docs/terrain-budgets.md"), "terrain", "", blocks=TERRAIN_BUDGETS),),
 }

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from experiments.studies.libraries import run_peer
 from experiments.studies.terrain.controllers_of_terrain import controller_of
-from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, PeerRow, PlannedRow, Row
+from experiments.studies.terrain.rows import AnyRow, ControlledRow, PeerRow, PlannedRow, Row
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
@@ -53,8 +53,7 @@ class Asked(NamedTuple):
             return 1
         if isinstance(row, PeerRow):
             return self.peer_runs
-        learned = isinstance(row, ControlledRow) and row.is_learned
-        return self.policy_runs if learned and self.policy_runs else self.runs
+        return self.policy_runs if row.is_learned and self.policy_runs else self.runs
 
     def in_words(self, *, peers: bool = False) -> str:
         """Return the numbers of runs as a caption names them, with those of other libraries or without."""
@@ -144,10 +143,7 @@ def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations
             found = run_peer(row.peer, problem, evaluations, seed)
             yield float(found.best), found.vector
     else:
-        controllers = (
-            row.controllers if isinstance(row, ControlledRow) else (f"fixed:{SIZES[row.optimizer]}",)
-        )
-        for name in controllers:
+        for name in row.controllers:
             yield from _episodes(row, name, terrain, cost, evaluations, runs)
 
 

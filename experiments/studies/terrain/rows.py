@@ -41,6 +41,21 @@ class Row(NamedTuple):
     source: str
 
     @property
+    def controllers(self) -> tuple[str, ...]:
+        """The name of the controller, which holds the population size constant."""
+        return (f"fixed:{SIZES[self.optimizer]}",)
+
+    @property
+    def is_learned(self) -> bool:
+        """False: no controller is a policy."""
+        return False
+
+    @property
+    def controlled_name(self) -> str:
+        """Name of the optimizer with its controller in tables."""
+        return f"{NAMES[self.optimizer]}, {SIZES[self.optimizer]} members"
+
+    @property
     def name(self) -> str:
         """Name of the row in tables."""
         return f"{NAMES[self.optimizer]}, {self.encoding}, {self.source}"
@@ -111,9 +126,14 @@ class ControlledRow(NamedTuple):
         return self.longer or self.evaluations in (None, evaluations)
 
     @property
+    def controlled_name(self) -> str:
+        """Name of the optimizer with its controller in tables."""
+        return f"{NAMES[self.optimizer]}, {self.label}"
+
+    @property
     def name(self) -> str:
         """Name of the row in tables."""
-        return f"{NAMES[self.optimizer]}, {self.label}, waypoints, {self.source}"
+        return f"{self.controlled_name}, waypoints, {self.source}"
 
 
 AnyRow = Row | PeerRow | PlannedRow | ControlledRow

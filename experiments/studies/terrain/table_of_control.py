@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS
 from experiments.studies.terrain.measured_costs import Asked, Floats
-from experiments.studies.terrain.rows import ControlledRow
+from experiments.studies.terrain.rows import ControlledRow, Row
 from experiments.studies.terrain.tables_of_costs import excess_of
 from experiments.tables import Table
 from experiments.tables.cell import MISSING, Entry, number, number_in
@@ -33,7 +32,7 @@ def objective(costs: Floats) -> float:
 
 
 def table_of_control(
-    rows: Sequence[ControlledRow],
+    rows: Sequence[ControlledRow | Row],
     measured: Mapping[str, Floats],
     rivals: Mapping[str, str],
     asked: Asked,
@@ -42,21 +41,24 @@ def table_of_control(
     """Return the table.
 
     Args:
-        rows: rows that have a line, those of one optimizer together.
+        rows: rows that have a line, those of one optimizer together, if their optimizer has a rival and
+            they are for the first budget.
         measured: costs, (terrains, budgets, training seeds * runs), of these rows by name. The first half of
             the terrains has few threats.
         rivals: name of the row of each optimizer that the others are compared with.
-        asked: runs of each row; `EVALUATIONS` is one of the budgets.
+        asked: runs of each row; the controllers are compared after the first budget.
         best: (terrains,) costs of the best known flights.
     """
-    budget, half = asked.evaluations.index(EVALUATIONS), len(best) // 2
+    half = len(best) // 2
     lines = []
     for row in rows:
-        costs = measured[row.name][:, budget]
+        costs = measured[row.name][:, 0]
+        if row.optimizer not in rivals or np.isnan(costs).any():
+            continue
         excess = excess_of(costs, best)
         rival = rivals[row.optimizer]
         line: dict[str, Entry] = {
-            "controller": row.name.removesuffix(f", waypoints, {row.source}"),
+            "controller": row.controlled_name,
             "policies": number(len(row.controllers), ".0f") if row.is_learned else MISSING,
             f"excess, {FEW} threats": number(excess[:half].mean(), ".1f"),
             f"excess, {MANY} threats": number(excess[half:].mean(), ".1f"),
@@ -65,14 +67,14 @@ def table_of_control(
         }
         if row.name != rival:
             policies = costs.reshape(len(costs), len(row.controllers), -1)
-            line["objective minus that of the rival"] = _difference(policies, measured[rival][:, budget])
+            line["objective minus that of the rival"] = _difference(policies, measured[rival][:, 0])
         lines.append(line)
     named = "; ".join(dict.fromkeys(rivals.values()))
     which = "the blind controller" if len(rivals) == 1 else "of each optimizer the blind controller"
     runs = asked.policy_runs or asked.runs
     caption = (
-        f"Controllers with guided members after {EVALUATIONS:,} evaluations, cost `{asked.cost}`, over "
-        f"{len(best)} test terrains and {runs} runs of each policy. Excess over the best known flight "
+        f"Controllers with guided members after {asked.evaluations[0]:,} evaluations, cost `{asked.cost}`, "
+        f"over {len(best)} test terrains and {runs} runs of each policy. Excess over the best known flight "
         f"in per cent, mean and median. Objective: 100 times the mean logarithm of the cost, minus that "
         f"of {named}, {which} with the least objective on terrains for validation [95 % interval over "
         "policies, terrains and runs]. Below 0 is a smaller cost"

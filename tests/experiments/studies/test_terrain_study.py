@@ -198,6 +198,24 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
     assert objective(np.full(3, np.e)) == pytest.approx(100.0)
 
 
+def test_controllers_without_a_rival_or_without_runs_have_no_line():
+    blind = ControlledRow("constants", "firefly", "guided", ("fixed:20",))
+    others = [
+        ControlledRow("SPSFA-TIP", "differential-evolution", "guided", ("spsfa-tip",)),
+        ControlledRow("learned, blinded", "firefly", "guided", ("learned:a/0",), EVALUATIONS, longer=False),
+    ]
+    costs = np.full((4, 1, 2), 20.0)
+    table = table_of_control(
+        [blind, *others],
+        {blind.name: costs, others[0].name: costs, others[1].name: np.full((4, 1, 2), np.nan)},
+        {"firefly": blind.name},
+        Asked("metabox", (20_000,), 2, 2),
+        np.full(4, 10.0),
+    )
+    assert [str(row[0]) for row in table.rows] == ["fireflies, constants"]
+    assert "after 20,000 evaluations" in table.caption
+
+
 def test_rows_of_a_library_that_is_not_installed_are_left_out(monkeypatch):
     monkeypatch.setattr(libraries, "find_spec", lambda name: None)
     assert [peer for peer in PEERS if peer not in libraries.installed(PEERS)] == [
@@ -252,3 +270,28 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
     (record,) = records_in(tmp_path)
     assert record.commits
     assert "fireflies, waypoints, guided" in record.digests
+
+
+def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "least_costs", lambda cost, terrains: np.ones(len(terrains)))
+    config = command.TerrainConfig(
+        output=tmp_path,
+        terrains=(little_terrain,) * 2,
+        validation=little_terrain,
+        evaluations=(100,),
+        runs=2,
+        policy_runs=1,
+        rows=(ROW.name, "fireflies, learned, with sources", "fireflies, constants", "L-SHADE, learned"),
+    )
+    [*_, control] = command.write(config)
+    assert control.name == "metabox-control.md"
+    lines = [
+        line.split("|")[1].strip() for line in control.read_text(encoding="utf-8").splitlines() if "|" in line
+    ]
+    # Policies of L-SHADE have no blind rival here.
+    assert lines[2:] == [
+        "fireflies, 20 members",
+        "fireflies, constants, size and phi",
+        "fireflies, constants, with sources",
+        "fireflies, learned, with sources",
+    ]
