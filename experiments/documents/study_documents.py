@@ -183,9 +183,9 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 }
 # Rows with planned flights after more evaluations than those of the trainings.
 TERRAIN_BUDGETS: Mapping[str, Block] = {
-    "longer-control": partial(ResultsFolder.text, name="longer-guided/metabox-control.md"),
-    "longer-guided": partial(ResultsFolder.text, name="longer-guided/metabox-in-short.md"),
-    "longer-guided-by-terrain": partial(ResultsFolder.text, name="longer-guided/metabox-by-terrain.md"),
+    "longer-control": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-control.md"),
+    "longer-guided": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-in-short.md"),
+    "longer-guided-by-terrain": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-by-terrain.md"),
 }
 STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "bbob": (
@@ -209,5 +209,5 @@ STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/terrain.md"), "", "terrain", blocks=TERRAIN_BLOCKS),
         Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
     ),
-    "terrain-budgets": (Document(Path("docs/terrain-budgets.md"), "terrain", "", blocks=TERRAIN_BUDGETS),),
+    "terrain-budgets": (Document(Path("docs/terrain-budgets.md"), "", "", blocks=TERRAIN_BUDGETS),),
 }
