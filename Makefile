@@ -20,7 +20,7 @@ WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 # Rows over terrain of 100,000 evaluations, without planned flights and with them.
 UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
-PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "fireflies, SPSFA-TIP, waypoints, guided" "multivariate, waypoints, guided" "L-SHADE, learned, with sources" "planned flight"
+PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "L-SHADE, learned, with sources" "planned flight"
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))

@@ -18,7 +18,13 @@ from experiments import catalogue
 from experiments.documents.front_page import FRONT_BLOCKS, RUNS_BLOCKS
 from experiments.documents.marked_blocks import fill
 from experiments.documents.records import keep, records_in
-from experiments.documents.study_documents import AT_BUDGETS, CASES_TABLE, STUDY_DOCUMENTS
+from experiments.documents.study_documents import (
+    AT_BUDGETS,
+    CASES_TABLE,
+    LONGER_GUIDED,
+    LONGEST_GUIDED,
+    STUDY_DOCUMENTS,
+)
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.planners.short_tables import CURVE_TABLES, SHORT_TABLES
 from experiments.runs.database import ResultsError
@@ -146,7 +152,7 @@ RECORDED = {
     "results": ("docs/paper", "study/headline", AT_BUDGETS),
     "strong-optimizers": ("strong-optimizers", AT_BUDGETS),
     "terrain": ("terrain",),
-    "terrain-budgets": ("terrain/longer-guided", "terrain/longest-guided"),
+    "terrain-budgets": (LONGER_GUIDED, LONGEST_GUIDED),
 }
 
 

@@ -65,6 +65,7 @@ CASES = (
 )  # fmt: skip
 AT_BUDGETS = "strong/cases-at-budgets"  # folder of the paper's cases at equal evaluations
 CASES_TABLE = f"{AT_BUDGETS}/cases-at-budgets"
+LONGER_GUIDED, LONGEST_GUIDED = "terrain/longer-guided", "terrain/longest-guided"
 TERRAINS, CONTROL = "terrain/all/metabox-in-short", "terrain/all/metabox-control"
 
 
@@ -183,9 +184,11 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 }
 # Rows with planned flights after more evaluations than those of the trainings.
 TERRAIN_BUDGETS: Mapping[str, Block] = {
-    "longer-control": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-control.md"),
-    "longer-guided": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-in-short.md"),
-    "longer-guided-by-terrain": partial(ResultsFolder.text, name="terrain/longer-guided/metabox-by-terrain.md"),
+    "longer-control": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-control.md"),
+    "longer-guided": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-in-short.md"),
+    "longest-guided": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-in-short.md"),
+    "longer-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-by-terrain.md"),
+    "longest-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-by-terrain.md"),
 }
 STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "bbob": (
