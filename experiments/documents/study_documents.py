@@ -186,6 +186,7 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 TERRAIN_BUDGETS: Mapping[str, Block] = {
     "longer-control": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-control.md"),
     "longer-guided": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-in-short.md"),
+    "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
     "longest-guided": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-in-short.md"),
     "longer-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-by-terrain.md"),
     "longest-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-by-terrain.md"),
