@@ -192,7 +192,7 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 	$(BIN)/python -m experiments.evaluate --suite cases-at-budgets --output results/strong
 	$(BIN)/python -m experiments.publish strong-optimizers
 
-docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and docs/terrain-tables.md (hours)
+docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and its two appendices (hours)
 	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
 	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --policy-runs 7 --rows $(PLANNED) --keep-best --output results/terrain/longest-guided
 	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer

@@ -26,17 +26,10 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     **dict.fromkeys(
         ("strong-optimizers", "strong-on-bbob", "beside-libraries", "beside-pycma"), digests_of_strong
     ),
-    **dict.fromkeys(
-        (
-            "terrain-all",
-            "terrain-longer",
-            "terrain-longest",
-            "terrain-eight",
-            "terrain-longer-guided",
-            "terrain-longest-guided",
-        ),
-        digests_of_terrain,
-    ),
+    **{
+        f"terrain-{part}": digests_of_terrain
+        for part in ("all", "longer", "longest", "eight", "longer-guided", "longest-guided")
+    },
 }
 
 
