@@ -42,7 +42,7 @@ class TerrainConfig:
     evaluations: tuple[int, ...] = (2_500, 20_000)
     """Evaluation budgets; tables are ordered by the first."""
     runs: int = 5
-    """Number of runs of each row on each terrain, for each policy."""
+    """Number of runs of each row on each terrain."""
     peer_runs: int = 5
     """Number of runs of each row of another library on each terrain."""
     policy_runs: int | None = None
