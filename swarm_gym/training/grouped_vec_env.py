@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import as_numpy
 from swarm_gym.controllers.learned.residual import Base, carried_out
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.wrappers.groups import Groups
@@ -16,7 +17,8 @@ class GroupedVecEnv(SB3VecEnv):
     """Episodes whose first iterations are common to a group of swarms, and not part of the training.
 
     New episodes begin at once. A swarm whose episode ends early, such as one that arrives, rests until the
-    last iteration: it has no rewards then, and its actions do nothing.
+    last iteration: it has no rewards then, and its actions do nothing. With a budget of evaluations, most
+    swarms do: `ran` tells so then, and steps of resting swarms are not counted.
 
     Args:
         env: environment without autoreset.
@@ -29,7 +31,8 @@ class GroupedVecEnv(SB3VecEnv):
 
     Attributes:
         first: the iteration at which the episodes under way began to differ.
-        num_common_steps: environment steps in common iterations so far, each computed once for its group.
+        uncounted_steps: environment steps in common iterations so far, each computed once for its group, less
+            those of resting swarms where there is a budget.
     """
 
     autoreset_mode = AutoresetMode.DISABLED
@@ -46,7 +49,9 @@ class GroupedVecEnv(SB3VecEnv):
         super().__init__(env, base)
         self._groups = Groups(env, base, group_size, firsts, at_events)
         self._decide = decide
-        self.num_common_steps = 0
+        self.uncounted_steps = 0
+        swarms: Any = env.unwrapped
+        self._has_budget = swarms.settings.max_evaluations is not None
         self.first = firsts[0]
 
     def reset(self) -> NDArray:
@@ -59,6 +64,9 @@ class GroupedVecEnv(SB3VecEnv):
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, object]]]:
         """Advance all swarms, as `SB3VecEnv` does."""
         inner: Any = self.env.unwrapped
+        if self._has_budget:
+            self.ran = as_numpy(inner.simulation.running).copy()
+            self.uncounted_steps -= int((~self.ran).sum())
         observations, rewards, dones = inner.step_running(self._actions)
         self._returns += rewards
         self._lengths += 1
@@ -76,7 +84,7 @@ class GroupedVecEnv(SB3VecEnv):
     def _begin(self) -> NDArray:
         begun = self._groups.begin(self._decide and self._act)
         self.first = self._groups.first
-        self.num_common_steps += begun.num_steps
+        self.uncounted_steps += begun.num_steps
         self._returns[:] = begun.returns
         self._lengths[:] = self.first
         return self._see(begun.observations)

@@ -97,7 +97,7 @@ def demonstrate(
     layout = make_observation(controller.observation) if controller else None
     action = make_action(settings, simulation.optimizer)
     steps = ROLLOUTS * settings.iterations
-    seen, wanted, rewards, ends = [], [], [], []
+    seen, wanted, rewards, ends, there = [], [], [], [], []
     env.seed(seed)
     observations: Any = env.reset()
     if controller:
@@ -112,14 +112,15 @@ def demonstrate(
         observations, reward, ended, _ = env.step(np.clip(disturbed, -1.0, 1.0).astype(np.float32))
         rewards.append(reward)
         ends.append(ended)
+        there.append(env.ran)
     to_come = np.zeros((steps + 1, env.num_envs))
     for step in reversed(range(steps)):
         to_come[step] = rewards[step] + discount * np.where(ends[step], 0.0, to_come[step + 1])
     columns = (np.stack(seen), np.stack(wanted), to_come[:-1].astype(np.float32))
-    return _cut(columns, np.stack(ends), settings.iterations)
+    return _cut((*columns, np.stack(there).astype(np.float32)), np.stack(ends), settings.iterations)
 
 
-def _cut(columns: tuple[NDArray, NDArray, NDArray], ends: NDArray, longest: int) -> Demonstration:
+def _cut(columns: tuple[NDArray, NDArray, NDArray, NDArray], ends: NDArray, longest: int) -> Demonstration:
     """Return complete episodes from arrays (steps, B, ...) and the ends of episodes (steps, B)."""
     pieces = []
     for row, ending in enumerate(ends.T):
@@ -128,7 +129,7 @@ def _cut(columns: tuple[NDArray, NDArray, NDArray], ends: NDArray, longest: int)
             pieces.append((row, slice(begin, end)))
             begin = end
     padded = []
-    for column in (*columns, np.ones(ends.shape, dtype=np.float32)):
+    for column in columns:
         array = np.zeros((len(pieces), longest, *column.shape[2:]), dtype=column.dtype)
         for number, (row, part) in enumerate(pieces):
             array[number, : part.stop - part.start] = column[part, row]

@@ -42,15 +42,20 @@ class JoinedVecEnv(VecEnv):
         super().__init__(int(self._ends[-1]), first.observation_space, first.action_space)
 
     @property
-    def num_common_steps(self) -> int:
-        """Environment steps so far that are not part of the training."""
-        return sum(part.num_common_steps for part in self.parts)
+    def uncounted_steps(self) -> int:
+        """Environment steps so far that the library does not count, see `SB3VecEnv`."""
+        return sum(part.uncounted_steps for part in self.parts)
 
-    @num_common_steps.setter
-    def num_common_steps(self, count: int) -> None:
+    @uncounted_steps.setter
+    def uncounted_steps(self, count: int) -> None:
         for part in self.parts:
-            part.num_common_steps = 0
-        self.parts[0].num_common_steps = count
+            part.uncounted_steps = 0
+        self.parts[0].uncounted_steps = count
+
+    @property
+    def ran(self) -> NDArray[np.bool_]:
+        """(B,) which swarms the last step has advanced."""
+        return np.concatenate([part.ran for part in self.parts])
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Seed the next episodes, each part differently."""

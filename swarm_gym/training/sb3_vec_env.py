@@ -22,11 +22,13 @@ class SB3VecEnv(NativeVecEnv):
 
     Attributes:
         first: the iteration in which the policy begins to decide.
-        num_common_steps: environment steps so far that are not part of the training.
+        uncounted_steps: environment steps so far that the library does not count, less those that it counts
+            of resting swarms.
+        ran: (B,) which swarms the last step has advanced.
     """
 
     first = 0
-    num_common_steps = 0
+    uncounted_steps = 0
 
     def __init__(self, env: VectorEnv, base: Base | None = None, reference: Reference | None = None):
         own: Any = env.single_observation_space
@@ -34,6 +36,7 @@ class SB3VecEnv(NativeVecEnv):
         self.base = base
         self.reference = reference
         self._proposal: Proposal | None = None
+        self.ran = np.ones(self.num_envs, dtype=np.bool_)
 
     def reset(self) -> NDArray:
         """Begin new episodes of all swarms, with the seed given to `seed`, or else the next ones of all."""

@@ -54,7 +54,7 @@ def require_options(config: TrainConfig) -> None:
     if isinstance(options, GroupedOptions) and not options.critic and options.gae_lambda != 1.0:
         raise ValueError(f"without a critic, gae_lambda must be 1, got {options.gae_lambda}")
     if has_groups(config) or options.noise_steps != 1:
-        _require_equal_lengths(config)
+        _require_common_length(config)
 
 
 def _require_joinable(config: TrainConfig) -> None:
@@ -85,11 +85,15 @@ def has_groups(config: TrainConfig) -> bool:
     return config.algorithm.group_size > 1 or bool(config.algorithm.branches)
 
 
-def _require_equal_lengths(config: TrainConfig) -> None:
-    if config.max_evaluations:
+def _require_common_length(config: TrainConfig) -> None:
+    """Raise an error if swarms of a group, or steps that share noise, cannot be compared."""
+    options = config.algorithm
+    if config.max_evaluations and (options.group_size == 1 or options.noise_steps != 0 or options.branches):
         raise ValueError(
-            f"max_evaluations {config.max_evaluations}: groups, and noise that is held, need episodes of one "
-            "length; set group_size and noise_steps to 1, without branches"
+            f"max_evaluations {config.max_evaluations}: episodes of a group end at different iterations, and "
+            "only whole returns can be compared; set noise_steps to 0 and no branches, or group_size and "
+            f"noise_steps to 1, got group_size {options.group_size}, noise_steps {options.noise_steps} and "
+            f"branches {list(options.branches)}"
         )
     if config.reward == PAIRED and has_groups(config):
         raise ValueError(

@@ -3,14 +3,26 @@
 `swarm_gym.wrappers.groups` says why advantages are relative to a group.
 """
 
+from collections.abc import Callable, Generator
+from typing import Any
+
 import numpy as np
 import torch
 from gymnasium import Space
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.type_aliases import RolloutBufferSamples
 
 from swarm_gym.wrappers.groups import relative_to_group
 
+COLUMNS = (
+    "observations",
+    "actions",
+    "values",
+    "log_probs",
+    "advantages",
+    "returns",
+)  # of the library's buffer
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 
 
@@ -30,6 +42,8 @@ class GroupBuffer(RolloutBuffer):
         noise_steps: number of steps that share their noise; 0 is a whole episode.
         num_optimizers: number of optimizers, each with the same number of neighbours. The advantages of each
             are divided by their standard deviation, since gaps of optimizers differ by decades.
+        ran: function that returns (B,) which swarms the last step has advanced; steps of the others are left
+            out of minibatches. By default all count.
     """
 
     def __init__(
@@ -46,12 +60,36 @@ class GroupBuffer(RolloutBuffer):
         critic: bool,
         noise_steps: int,
         num_optimizers: int = 1,
+        ran: Callable[[], NDArray[np.bool_]] | None = None,
     ):
+        self._ran = ran
         super().__init__(buffer_size, observation_space, action_space, device, gae_lambda, gamma, n_envs)
         self.noise_steps = noise_steps
         self.num_optimizers = num_optimizers
         self.group_size = group_size
         self.critic = critic
+
+    def reset(self) -> None:
+        """Forget all steps."""
+        super().reset()
+        self.there = np.ones((self.buffer_size, self.n_envs), dtype=np.bool_)
+
+    def add(self, *step: Any) -> None:
+        """Keep a step of all swarms, and which of them it has advanced."""
+        if self._ran is not None:
+            self.there[self.pos] = self._ran()
+        super().add(*step)
+
+    def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
+        """Yield minibatches of all steps that count, in random order."""
+        if not self.generator_ready:
+            there = self.swap_and_flatten(self.there)[:, 0]
+            for name in COLUMNS:
+                setattr(self, name, self.swap_and_flatten(getattr(self, name))[there])
+            self.generator_ready = True
+        order = np.random.permutation(len(self.advantages))  # noqa: NPY002 - the library's generator
+        for begin in range(0, len(order), batch_size or len(order)):
+            yield self._get_samples(order[begin : begin + (batch_size or len(order))])
 
     def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: NDArray[np.bool_]) -> None:
         """Compute returns, and advantages (steps, B) minus their mean over the group."""

@@ -101,7 +101,7 @@ class PPOLearner(Learner):
     @property
     def num_steps(self) -> int:  # type: ignore[override]
         """Environment steps so far."""
-        return self.model.num_timesteps + self.env.num_common_steps
+        return self.model.num_timesteps + self.env.uncounted_steps
 
     @property
     def in_chunk(self) -> bool:
@@ -124,7 +124,7 @@ class PPOLearner(Learner):
             assert isinstance(self.env, SB3VecEnv)  # several optimizers have neither a teacher nor a critic
             shown = demonstrate(self._teacher, self.env, self._noise(), self.options.discount, seed)
             imitate(self.model.policy, self._lessons(shown), self._predict, seed)
-            self.env.num_common_steps = 0  # steps of demonstrations are not counted
+            self.env.uncounted_steps = 0  # steps of demonstrations are not counted
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
@@ -137,9 +137,9 @@ class PPOLearner(Learner):
             self.model.ep_info_buffer = None
         else:
             stopped: Any = self._stopped
-            common_steps, begin = self.env.num_common_steps, stopped["rollouts"]
+            common_steps, begin = self.env.uncounted_steps, stopped["rollouts"]
             go_on(self.model, self._stopped, seed)
-            self.env.num_common_steps = common_steps
+            self.env.uncounted_steps = common_steps
         for rollout in range(begin, config.rollouts_per_chunk):
             self._begin_rollout()
             steps = self.model.n_steps * config.num_swarms
@@ -176,7 +176,7 @@ class PPOLearner(Learner):
             "policy": self.model.policy.state_dict(),
             "optimizer": self.model.policy.optimizer.state_dict(),
             "num_timesteps": self.model.num_timesteps,
-            "num_common_steps": self.env.num_common_steps,
+            "num_common_steps": self.env.uncounted_steps,
             "updates": self.model._n_updates,
             **({} if self._stopped is None else {"stopped": self._stopped}),
         }
@@ -188,7 +188,7 @@ class PPOLearner(Learner):
         self.model.policy.load_state_dict(stored["policy"])
         self.model.policy.optimizer.load_state_dict(stored["optimizer"])
         self.model.num_timesteps = stored["num_timesteps"]
-        self.env.num_common_steps = stored["num_common_steps"]
+        self.env.uncounted_steps = stored["num_common_steps"]
         self.model._n_updates = stored["updates"]
         self._stopped = stored.get("stopped")
 
@@ -248,8 +248,12 @@ class PPOLearner(Learner):
         options = self.options
         if options.group_size == 1 and options.critic and options.noise_steps == 1:
             return {}
-        buffer = {name: getattr(options, name) for name in ("group_size", "critic", "noise_steps")}
+        buffer: dict[str, Any] = {
+            name: getattr(options, name) for name in ("group_size", "critic", "noise_steps")
+        }
         buffer["num_optimizers"] = len(self.config.optimizers)
+        if self.config.max_evaluations:
+            buffer["ran"] = lambda: self.env.ran
         return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
 
     def _make_model(self) -> Any:

@@ -11,6 +11,7 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.training.grouped_vec_env import GroupedVecEnv
+from swarm_gym.training.imitation import demonstrate
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -20,6 +21,7 @@ OPTIONS = {
     "scenario": ["case1", "case2", "case3"], "initial_population_size": 6, "max_population_size": 12,
     "iterations": ITERATIONS, "reward": "optimality", "price": (0.5, 2.0), "action": "normalised",
 }  # fmt: skip
+BUDGET = {"max_evaluations": 500, "critic": False, "gae_lambda": 1.0}
 GROUPED = {"warm_start": "none", "base": "spsfa", "group_size": 2, "reward": "optimality", "noise_steps": 0}
 
 
@@ -90,7 +92,7 @@ def test_common_iterations_are_computed_once_and_are_those_of_a_single_swarm(dec
         results.append([(info["episode"]["r"], info["episode"]["l"], info["best_fitness"]) for info in infos])
     np.testing.assert_allclose(*np.array(results), rtol=1e-12)
     assert results[0][0][1] == ITERATIONS
-    assert late.num_common_steps == 2 * 2 * 4  # in two episodes, the next one included, of each group
+    assert late.uncounted_steps == 2 * 2 * 4  # in two episodes, the next one included, of each group
 
 
 def test_after_an_event_groups_go_on_from_one_state_in_half_of_the_rollouts():
@@ -156,6 +158,30 @@ def test_a_swarm_whose_episode_ends_early_rests_until_all_begin_anew():
     assert infos[0]["episode"]["r"] == pytest.approx(rewards[:, 0].sum())
 
 
+def test_with_a_budget_only_steps_of_swarms_under_way_are_counted_and_learned_from(tmp_path):
+    learner = train(tmp_path, **GROUPED, **BUDGET).learner
+    before = learner.num_steps
+    learner.learn(1)
+    buffer = learner.model.rollout_buffer
+    lengths = buffer.there.sum(axis=0)
+    assert (lengths < 100).all()
+    assert len(set(lengths.tolist())) > 1
+    assert not (buffer.there[1:] & ~buffer.there[:-1]).any()  # a swarm that rests does not go on
+    assert learner.num_steps - before == lengths.sum()
+    seen = [len(batch.observations) for batch in buffer.get(10)]
+    assert sum(seen) == lengths.sum()
+    assert max(seen) == 10
+
+
+def test_with_a_budget_a_demonstration_has_no_steps_of_resting_swarms():
+    env = grouped_env(max_evaluations=300)
+    shown = demonstrate(make_controller("fixed:12"), env, 0.0, 1.0, seed=1)
+    steps = shown.there.sum(axis=1)
+    assert (steps > 1).all()
+    assert (steps < ITERATIONS).all()
+    assert len(shown.one_by_one().observations) == steps.sum()
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -163,7 +189,12 @@ def test_a_swarm_whose_episode_ends_early_rests_until_all_begin_anew():
         ({"group_size": 8}, "group_size.*8"),
         ({"group_size": 1, "branch_at_events": True}, "branch_at_events needs groups of several swarms"),
         ({"reward": "paired"}, "'paired' and group_size 2 exclude"),
-        ({"max_evaluations": 500}, "max_evaluations 500: groups, and noise that is held, need episodes"),
+        (
+            {"max_evaluations": 500, "noise_steps": 1},
+            "max_evaluations 500: .* group_size 2, noise_steps 1 and branches",
+        ),
+        ({"max_evaluations": 500, "group_size": 1}, "got group_size 1, noise_steps 0 and branches"),
+        ({"max_evaluations": 500, "branches": (3,)}, r"noise_steps 0 and branches \[3\]"),
         ({"critic": False}, "without a critic, gae_lambda must be 1, got 0.98"),
         ({"branches": (100,)}, "branches.*100"),
         ({"branches": (3,), "corrected_from": 5}, "branches.*3"),
@@ -195,6 +226,7 @@ def test_groups_that_cannot_be_trained_leave_nothing_behind(tmp_path, options, m
             "corrected_from": 30,
             "decay_steps": 4 * STEPS,
         },
+        BUDGET,
         pytest.param({"corrected_from": 60, "noise_steps": 7}, marks=pytest.mark.slow),
     ],
 )
