@@ -186,6 +186,7 @@ docs-known-optimum: $(INSTALLED) ## compare controllers on OneMax with the optim
 
 docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's functions, and fill docs/strong-optimizers.md (hours)
 	$(BIN)/python -m experiments.strong
+	$(BIN)/python -m experiments.strong --table repeated
 	$(BIN)/python -m experiments.strong --table bbob --runs 4
 	$(BIN)/python -m experiments.strong --table pycma --runs 10
 	$(BIN)/python -m experiments.strong --table libraries --runs 4

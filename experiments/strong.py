@@ -1,8 +1,9 @@
 """Compare CMA-ES and L-SHADE with the published table of MetaBox-v2: `python -m experiments.strong`.
 
 The rows are constants, rules and trained policies. Their runs are kept in a folder, and a later call goes on
-from there. With --table bbob, rows of CMA-ES run on the functions of BBOB in several dimensions instead. With
---table pycma, CMA-ES runs next to its author's library, and with --table libraries next to several.
+from there. With --table repeated, some rows run with other seeds. With --table bbob, rows of CMA-ES run on
+the functions of BBOB in several dimensions. With --table pycma, CMA-ES runs next to its author's library, and
+with --table libraries next to several.
 """
 
 from collections.abc import Sequence
@@ -26,11 +27,11 @@ from experiments.studies.strong.entrants import (
     entrants,
     entrants_on_bbob,
 )
-from experiments.studies.strong.grounds import COMPARED, OTHERS, bbob
+from experiments.studies.strong.grounds import COMPARED, OTHERS, REPEATED, bbob
 from experiments.studies.strong.measured_gaps import measure_all
 from experiments.studies.strong.on_bbob import on_bbob
 from experiments.studies.strong.published import RUNS
-from experiments.studies.strong.tables_of_gaps import tables
+from experiments.studies.strong.tables_of_gaps import REPEATED_ROWS, repeated, tables
 from swarm_gym.checks import require_integer
 from swarm_gym.command import command
 
@@ -48,10 +49,10 @@ class StrongConfig:
     dimensions of BBOB it is half of that."""
     rows: tuple[str, ...] = ()
     """Parts of the names of rows to run, e.g. BIPOP 'lambda 40'; by default all rows."""
-    table: Literal["metabox", "bbob", "pycma", "libraries"] = "metabox"
-    """Table to make: all rows on MetaBox's functions; rows of CMA-ES on the 24 functions of BBOB in 3, 5, 10,
-    20 and 40 dimensions; BIPOP next to pycma's in 10 dimensions; or rows of both optimizers next to those of
-    other libraries."""
+    table: Literal["metabox", "repeated", "bbob", "pycma", "libraries"] = "metabox"
+    """Table to make: all rows on MetaBox's functions; some of them with other seeds; rows of CMA-ES on the 24
+    functions of BBOB in 3, 5, 10, 20 and 40 dimensions; BIPOP next to pycma's in 10 dimensions; or rows of
+    both optimizers next to those of other libraries."""
 
 
 def write(config: StrongConfig) -> list[Path]:
@@ -62,6 +63,8 @@ def write(config: StrongConfig) -> list[Path]:
         ValueError: if no row has such a name.
     """
     require_integer("runs", config.runs, 2)
+    if config.table == "repeated":
+        return _write_repeated(config)
     if config.table == "bbob":
         return _write_on_bbob(config)
     if config.table == "pycma":
@@ -83,6 +86,16 @@ def write(config: StrongConfig) -> list[Path]:
         with settings():
             write_figure(draw_decisions(policies), config.output, "decisions")
     return [config.output / f"{table.name}.md" for table in made]
+
+
+def _write_repeated(config: StrongConfig) -> list[Path]:
+    folder = config.output / "repeated"
+    chosen = [one for one in _chosen(config, entrants()) if one.name in REPEATED_ROWS]
+    table = repeated(measure_all(chosen, config.runs, folder, REPEATED), REPEATED.first_seed)
+    commits = commits_in(folder.glob("*.json"))
+    write_record(record_of("strong-repeated", commits, _digests(chosen)), config.output)
+    table.write(config.output)
+    return [config.output / f"{table.name}.md"]
 
 
 def _write_on_bbob(config: StrongConfig) -> list[Path]:

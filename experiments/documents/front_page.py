@@ -98,6 +98,7 @@ OTHERS = {
     "[known optimum](known-optimum.md)": ("known-optimum",),
     "[strong optimizers](strong-optimizers.md)": (
         "strong-optimizers",
+        "strong-repeated",
         "strong-on-bbob",
         "beside-libraries",
         "beside-pycma",

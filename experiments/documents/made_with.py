@@ -24,7 +24,8 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     "known-optimum": digests_of_one_max,
     "learners": digests_of_rivals,
     **dict.fromkeys(
-        ("strong-optimizers", "strong-on-bbob", "beside-libraries", "beside-pycma"), digests_of_strong
+        ("strong-optimizers", "strong-repeated", "strong-on-bbob", "beside-libraries", "beside-pycma"),
+        digests_of_strong,
     ),
     **{
         f"terrain-{part}": digests_of_terrain

@@ -162,7 +162,8 @@ STRONG_BLOCKS: Mapping[str, Block] = {
 }
 STRONG_TABLES: Mapping[str, Block] = {
     **texts(
-        ("in-short", "beside-metabox", "on-bbob", "beside-libraries", "beside-pycma"), "strong-optimizers/"
+        ("in-short", "repeated", "beside-metabox", "on-bbob", "beside-libraries", "beside-pycma"),
+        "strong-optimizers/",
     ),
     **texts(("cases-at-budgets",), f"{AT_BUDGETS}/"),
 }

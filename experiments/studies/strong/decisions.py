@@ -11,6 +11,7 @@ from experiments.plots.style import draw_banded_line, legend_below, new_figure, 
 from experiments.studies.strong.entrants import Entrant, controller_of
 from experiments.studies.strong.measured_gaps import Floats, file_name, kept, run_row
 from experiments.studies.strong.published import EVALUATIONS, RUNS
+from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 
 # Of the constants 10, 40 and 80, the first is best on functions 12 and 22, the second on 24, the last on 18.
@@ -47,7 +48,7 @@ def _choose_one(policies: Entrant, name: str, folder: Path) -> Floats:
         return Sizes(np.stack([sizes_on(f"metabox-bbob:{function}-10-biased") for function in SHOWN]))
 
     def sizes_on(scenario: str) -> Floats:
-        episodes = run_row(policies, made, scenario, RUNS, EVALUATIONS)
+        episodes = run_row(policies, made, scenario, TEST[:RUNS], EVALUATIONS)
         return np.stack([at_places(sizes) for sizes in episodes.sizes])
 
     return kept(folder / file_name("sizes", name), asked, Sizes, run).sizes

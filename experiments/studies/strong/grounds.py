@@ -21,14 +21,18 @@ class Ground(NamedTuple):
         name: part of the names of files; empty for MetaBox's functions.
         scenarios: names of the scenarios.
         evaluations: evaluations of a run.
+        first_seed: number of the test seed of the first run.
     """
 
     name: str
     scenarios: tuple[str, ...]
     evaluations: int
+    first_seed: int = 0
 
 
 METABOX = Ground("", tuple(SCENARIOS), EVALUATIONS)
+# The same functions with seeds on which no row was chosen.
+REPEATED = Ground("repeated", tuple(SCENARIOS), EVALUATIONS, first_seed=151)
 
 
 def bbob(dimension: int) -> Ground:

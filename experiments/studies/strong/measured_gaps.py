@@ -74,12 +74,13 @@ def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path,
     }
     if ground.name:
         asked |= {"scenarios": [*ground.scenarios], "evaluations": ground.evaluations}
+    if ground.first_seed:
+        asked["first seed"] = ground.first_seed
     name = file_name(ground.name, entrant.optimizer, controller, str(num_runs))
 
     def run() -> Measured:
-        found = [
-            run_row(entrant, made, scenario, num_runs, ground.evaluations) for scenario in ground.scenarios
-        ]
+        seeds = TEST[ground.first_seed : ground.first_seed + num_runs]
+        found = [run_row(entrant, made, scenario, seeds, ground.evaluations) for scenario in ground.scenarios]
         return Measured(
             np.stack([episodes.final_fitness for episodes in found]),
             -np.stack([episodes.returns for episodes in found]),
@@ -118,12 +119,12 @@ def _iterations(row: Entrant, evaluations: int) -> int:
     return row.iterations * evaluations // EVALUATIONS
 
 
-def run_row(row: Entrant, controller: Controller, scenario: str, num_runs: int, evaluations: int) -> Episodes:
+def run_row(row: Entrant, controller: Controller, scenario: str, seeds: range, evaluations: int) -> Episodes:
     """Return runs of a row on one function, with the reward that is paid for the gap over the budget."""
     return run_episodes(
         controller,
         scenario,
-        TEST[:num_runs],
+        seeds,
         row.optimizer,
         iterations=_iterations(row, evaluations),
         max_evaluations=evaluations,
@@ -137,5 +138,5 @@ def timed_runs(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> 
     """Return gaps of runs by the first controller of a row, and evaluations in a second of processor time."""
     controller = controller_of(row, row.controllers[0])
     before = time.process_time()
-    episodes = run_row(row, controller, scenario, num_runs, evaluations)
+    episodes = run_row(row, controller, scenario, TEST[:num_runs], evaluations)
     return episodes.final_fitness, float(episodes.evaluations.sum() / (time.process_time() - before))

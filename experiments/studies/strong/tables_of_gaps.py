@@ -1,6 +1,7 @@
 """Tables of this study: all rows in short, and rows beside the published table by function."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from experiments.studies.strong.measured_gaps import Floats, Measured
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, Gap, average_ranks
 from experiments.tables import Table
 from experiments.tables.cell import MISSING, Entry, number, number_in
+from experiments.tables.reshape import select
 from swarm_gym.comparing.bootstrap import draw, interval, means
 from swarm_gym.reward import LEAST_GAP
 
@@ -19,6 +21,12 @@ SHOWN = (
     "CMA-ES, learned from early restarts", "CMA-ES, learned from early restarts, together",
     "L-SHADE, constant tuned", "L-SHADE, learned, evolution",
 )  # fmt: skip
+# Rows that run with other seeds, too.
+REPEATED_ROWS = (
+    "CMA-ES, lambda 20", "CMA-ES, BIPOP", "CMA-ES, constant tuned", "CMA-ES, schedule tuned",
+    "CMA-ES, early restarts", "CMA-ES, learned from early restarts, together",
+    "CMA-ES, learned from early restarts, together, blinded",
+)  # fmt: skip
 
 
 def tables(measured: Mapping[str, Measured]) -> list[Table]:
@@ -26,6 +34,19 @@ def tables(measured: Mapping[str, Measured]) -> list[Table]:
     published = {name: gaps_of(row) for name, row in measured.items()}
     shown = {name: published[name] for name in SHOWN if name in published}
     return [_in_short(measured, published), beside_published(shown)]
+
+
+def repeated(measured: Mapping[str, Measured], first_seed: int) -> Table:
+    """Return the table of rows on other seeds than those of the other tables.
+
+    Args:
+        measured: gaps by name of the row.
+        first_seed: number of the test seed of the first run.
+    """
+    table = _in_short(measured, {name: gaps_of(row) for name, row in measured.items()})
+    others = f"Some of these rows with other seeds, from test seed {first_seed} on. {table.caption}"
+    columns = tuple(name for name in table.columns if name not in ("training seeds", "average rank"))
+    return replace(select(table, columns), name="repeated", caption=others)
 
 
 def gaps_of(row: Measured) -> dict[int, Gap]:

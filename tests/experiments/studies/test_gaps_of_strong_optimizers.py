@@ -7,11 +7,12 @@ import pytest
 
 from experiments.studies.strong import measured_gaps
 from experiments.studies.strong.entrants import LAST_SIZE, Entrant, entrants, entrants_on_bbob
-from experiments.studies.strong.grounds import bbob
+from experiments.studies.strong.grounds import METABOX, REPEATED, bbob
 from experiments.studies.strong.measured_gaps import Measured, measure
 from experiments.studies.strong.on_bbob import CONSTANT, SCHEDULE, on_bbob
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, best_of
-from experiments.studies.strong.tables_of_gaps import gaps_of, tables
+from experiments.studies.strong.published import RUNS as PUBLISHED_RUNS
+from experiments.studies.strong.tables_of_gaps import REPEATED_ROWS, gaps_of, repeated, tables
 from swarm_gym.rollout import Episodes
 
 RUNS = 3
@@ -68,6 +69,39 @@ def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
     measure(entrant, RUNS + 1, tmp_path)
     assert len(asked) == 6 * len(FUNCTIONS)
     assert {json.loads(file.read_text())["asked"]["runs"] for file in tmp_path.iterdir()} == {3, 4}
+
+
+def test_rows_are_repeated_with_other_seeds(tmp_path, monkeypatch):
+    asked = []
+
+    def run(controller, scenario, seeds, optimizer, **options):
+        asked.append((scenario, seeds))
+        gap = np.ones(len(seeds))
+        return Episodes(gap, gap, gap, gap[:, None], gap[:, None])
+
+    monkeypatch.setattr(measured_gaps, "run_episodes", run)
+    entrant = Entrant("a row", "cma-es", ("fixed:10",))
+    for ground in (METABOX, REPEATED):
+        measure(entrant, RUNS, tmp_path, ground)
+    (first, *others), (again, *_) = asked[: len(FUNCTIONS)], asked[len(FUNCTIONS) :]
+    assert first == (f"metabox-bbob:{FUNCTIONS[0]}-10-biased", range(RUNS))
+    assert again == (first[0], range(REPEATED.first_seed, REPEATED.first_seed + RUNS))
+    assert {seeds for _, seeds in others} == {range(RUNS)}
+    assert REPEATED.first_seed >= PUBLISHED_RUNS
+    assert len(list(tmp_path.iterdir())) == 2
+    names = [one.name for one in entrants()]
+    assert set(REPEATED_ROWS) <= set(names)
+
+
+def test_the_table_of_other_seeds_names_them_and_has_the_same_counts():
+    rows = {"CMA-ES, constant tuned": row(1e-3), "CMA-ES, early restarts": row(1e-9)}
+    table, (whole, _) = repeated(rows, 151), tables(rows)
+    assert "from test seed 151 on" in table.caption
+    assert table.name == "repeated"
+    assert [str(line[1]) for line in table.rows] == [
+        str(line[whole.columns.index("functions level or ahead")]) for line in whole.rows
+    ]
+    assert "-5.00" in str(table.rows[1][table.columns.index("minus the tuned constant")])
 
 
 def test_policies_on_bbob_have_rows_of_their_own_blinded_and_a_budget_by_dimension(tmp_path, monkeypatch):
