@@ -115,12 +115,15 @@ def _control(
     blind = [row for row in controlled if not row.is_learned and row.optimizer in learned]
     if not blind or np.isinf(known).any():
         return []
+    by_optimizer = {name: [row for row in blind if row.optimizer == name] for name in learned}
+    several = [row for row in blind if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
-    found = measure_all(blind, expand_name(config.validation), asked_once, config.output / "runs")
-    rivals = {}
-    for optimizer in dict.fromkeys(row.optimizer for row in blind):
-        names = [row.name for row in blind if row.optimizer == optimizer]
-        rivals[optimizer] = min(names, key=lambda name: objective(found[name]))
+    found = measure_all(several, expand_name(config.validation), asked_once, config.output / "runs")
+    rivals = {
+        optimizer: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
+        for optimizer, own in by_optimizer.items()
+        if own
+    }
     return [table_of_control(controlled, measured, rivals, asked, known)]
 
 

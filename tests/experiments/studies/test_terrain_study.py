@@ -295,3 +295,19 @@ def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tm
         "fireflies, constants, with sources",
         "fireflies, learned, with sources",
     ]
+
+
+def test_a_single_blind_row_is_the_rival_without_runs_for_validation(little_terrain, tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "least_costs", lambda cost, terrains: np.ones(len(terrains)))
+    config = command.TerrainConfig(
+        output=tmp_path,
+        terrains=(little_terrain,) * 2,
+        validation="terrain:validation:0",
+        evaluations=(100,),
+        runs=2,
+        policy_runs=1,
+        rows=(ROW.name, "fireflies, learned, with sources"),
+    )
+    [*_, control] = command.write(config)
+    assert "fireflies, learned, with sources" in control.read_text(encoding="utf-8")
+    assert not [file.name for file in (tmp_path / "runs").iterdir() if "validation" in file.name]
