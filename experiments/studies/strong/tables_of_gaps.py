@@ -44,7 +44,8 @@ def repeated(measured: Mapping[str, Measured], first_seed: int) -> Table:
         first_seed: number of the test seed of the first run.
     """
     table = _in_short(measured, {name: gaps_of(row) for name, row in measured.items()})
-    others = f"Some of these rows with other seeds, from test seed {first_seed} on. {table.caption}"
+    caption = table.caption.replace(" average rank among these methods and all rows;", "")
+    others = f"Some of these rows with other seeds, from test seed {first_seed} on. {caption}"
     columns = tuple(name for name in table.columns if name not in ("training seeds", "average rank"))
     return replace(select(table, columns), name="repeated", caption=others)
 

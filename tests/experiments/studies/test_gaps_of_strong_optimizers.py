@@ -98,6 +98,8 @@ def test_the_table_of_other_seeds_names_them_and_has_the_same_counts():
     table, (whole, _) = repeated(rows, 151), tables(rows)
     assert "from test seed 151 on" in table.caption
     assert table.name == "repeated"
+    assert "average rank" in whole.caption
+    assert "average rank" not in table.caption
     assert [str(line[1]) for line in table.rows] == [
         str(line[whole.columns.index("functions level or ahead")]) for line in whole.rows
     ]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swarm_gym.controllers import make_controller
-from swarm_gym.controllers.learned.policy_file import PolicyFileError, packaged_policies
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, packaged_policies, policies_of
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import make_observation
 from swarm_gym.rollout import run_episodes
@@ -14,14 +14,14 @@ RECIPE = "cma-search-restarts"
 
 def test_the_action_is_the_mean_of_the_actions_of_all_training_seeds():
     together = make_controller(f"together:{RECIPE}")
-    parts = [load_learned(f"{RECIPE}/{seed}") for seed in range(3)]
+    parts = [load_learned(name) for name in policies_of(RECIPE)]
     assert together.env_options() == parts[0].env_options()
     observations = np.random.default_rng(0).random((5, len(make_observation(together.observation).features)))
     for controller in (together, *parts):
         controller.reset(5)
     actions = [part.act(observations) for part in parts]
-    assert len(np.unique(actions, axis=0)) == 3
-    np.testing.assert_allclose(together.act(observations), sum(actions) / 3, rtol=1e-6)
+    assert len(np.unique(actions, axis=0)) == len(parts) == 5
+    np.testing.assert_allclose(together.act(observations), sum(actions) / len(parts), rtol=1e-6)
 
 
 def test_named_policies_are_those_of_the_recipe():
