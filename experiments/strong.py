@@ -90,7 +90,7 @@ def write(config: StrongConfig) -> list[Path]:
 
 def _write_repeated(config: StrongConfig) -> list[Path]:
     folder = config.output / "repeated"
-    chosen = [one for one in _chosen(config, entrants()) if one.name in REPEATED_ROWS]
+    chosen = _chosen(config, [one for one in entrants() if one.name in REPEATED_ROWS])
     table = repeated(measure_all(chosen, config.runs, folder, REPEATED), REPEATED.first_seed)
     commits = commits_in(folder.glob("*.json"))
     write_record(record_of("strong-repeated", commits, _digests(chosen)), config.output)

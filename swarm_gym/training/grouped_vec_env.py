@@ -17,8 +17,8 @@ class GroupedVecEnv(SB3VecEnv):
     """Episodes whose first iterations are common to a group of swarms, and not part of the training.
 
     New episodes begin at once. A swarm whose episode ends early, such as one that arrives, rests until the
-    last iteration: it has no rewards then, and its actions do nothing. With a budget of evaluations, most
-    swarms do: `ran` tells so then, and steps of resting swarms are not counted.
+    last iteration: it has no rewards then, and its actions do nothing. With a budget of evaluations most
+    swarms rest in the end: `ran` tells which do not, and steps of resting swarms are not counted.
 
     Args:
         env: environment without autoreset.

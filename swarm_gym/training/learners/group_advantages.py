@@ -4,7 +4,6 @@
 """
 
 from collections.abc import Callable, Generator
-from typing import Any
 
 import numpy as np
 import torch
@@ -15,14 +14,8 @@ from stable_baselines3.common.type_aliases import RolloutBufferSamples
 
 from swarm_gym.wrappers.groups import relative_to_group
 
-COLUMNS = (
-    "observations",
-    "actions",
-    "values",
-    "log_probs",
-    "advantages",
-    "returns",
-)  # of the library's buffer
+# Arrays of the library's buffer, by step and swarm.
+COLUMNS = ("observations", "actions", "values", "log_probs", "advantages", "returns")
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 
 
@@ -74,11 +67,19 @@ class GroupBuffer(RolloutBuffer):
         super().reset()
         self.there = np.ones((self.buffer_size, self.n_envs), dtype=np.bool_)
 
-    def add(self, *step: Any) -> None:
+    def add(
+        self,
+        obs: NDArray,
+        action: NDArray,
+        reward: NDArray,
+        episode_start: NDArray,
+        value: torch.Tensor,
+        log_prob: torch.Tensor,
+    ) -> None:
         """Keep a step of all swarms, and which of them it has advanced."""
         if self._ran is not None:
             self.there[self.pos] = self._ran()
-        super().add(*step)
+        super().add(obs, action, reward, episode_start, value, log_prob)
 
     def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
         """Yield minibatches of all steps that count, in random order."""

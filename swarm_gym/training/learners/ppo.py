@@ -137,9 +137,9 @@ class PPOLearner(Learner):
             self.model.ep_info_buffer = None
         else:
             stopped: Any = self._stopped
-            common_steps, begin = self.env.uncounted_steps, stopped["rollouts"]
+            uncounted, begin = self.env.uncounted_steps, stopped["rollouts"]
             go_on(self.model, self._stopped, seed)
-            self.env.uncounted_steps = common_steps
+            self.env.uncounted_steps = uncounted
         for rollout in range(begin, config.rollouts_per_chunk):
             self._begin_rollout()
             steps = self.model.n_steps * config.num_swarms

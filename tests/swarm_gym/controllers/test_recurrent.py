@@ -160,8 +160,9 @@ def test_sequences_at_a_time_equal_the_librarys_steps(inside):
 def test_demonstrations_are_cut_into_whole_episodes():
     ends = np.zeros((6, 2), dtype=bool)
     ends[[1, 4], 0] = ends[3, 1] = True
-    steps = np.arange(12.0).reshape(6, 2)
-    shown = _cut((steps[..., None], steps[..., None], steps), ends, 4)
+    steps, ran = np.arange(12.0).reshape(6, 2), np.ones((6, 2))
+    ran[3, 1] = 0.0
+    shown = _cut((steps[..., None], steps[..., None], steps, ran), ends, 4)
     assert shown.returns.tolist() == [[0, 2, 0, 0], [4, 6, 8, 0], [1, 3, 5, 7]]
-    assert shown.there.sum(axis=1).tolist() == [2, 3, 4]
-    assert shown.one_by_one().returns.flatten().tolist() == [0, 2, 4, 6, 8, 1, 3, 5, 7]
+    assert shown.there.sum(axis=1).tolist() == [2, 3, 3]
+    assert shown.one_by_one().returns.flatten().tolist() == [0, 2, 4, 6, 8, 1, 3, 5]
