@@ -115,14 +115,14 @@ def _control(
     blind = [row for row in controlled if not row.is_learned and row.optimizer in learned]
     if not blind or np.isinf(known).any():
         return []
-    by_optimizer = {name: [row for row in blind if row.optimizer == name] for name in learned}
+    optimizers = dict.fromkeys(row.optimizer for row in blind)  # in the order of the rows
+    by_optimizer = {name: [row for row in blind if row.optimizer == name] for name in optimizers}
     several = [row for row in blind if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
     found = measure_all(several, expand_name(config.validation), asked_once, config.output / "runs")
     rivals = {
         optimizer: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
         for optimizer, own in by_optimizer.items()
-        if own
     }
     return [table_of_control(controlled, measured, rivals, asked, known)]
 
