@@ -36,20 +36,32 @@ MOST_COST = 1.5  # of another flight, in costs of the first
 _X, _Y, _ABOVE, _Z, _COST, _DX, _DY, _RISE, _CLIMB = range(9)
 _LENGTH, _THREATS, _ALTITUDE, _ANGLES, _GROUND, _BAND, _LIMITS = WEIGHTS
 
+# Flights that were planned in this process, by the identity of the problem and their largest number. Each
+# validation of a training asks for the same ones; they take less than a kilobyte.
+_planned: dict[tuple[object, ...], Floats] = {}
+
 
 def flight_ways(problem: TerrainProblem, most: int) -> Floats:
     """Return planned flights, (K, 2 n), as offsets sideways and upwards, the cheapest first.
 
-    They are the same in every call.
+    They are the same in every call; only the first one plans them.
 
     Args:
         problem: the problem, of any encoding and cost.
         most: largest number of flights.
     """
     by_offsets = TerrainProblem(problem.scenario, "waypoints", problem.num_waypoints, problem.cost)
-    table, n = by_offsets.table, problem.num_waypoints
+    asked = (*by_offsets.identity, most)
+    if asked not in _planned:
+        _planned[asked] = _plan(by_offsets, most)
+    return _planned[asked].copy()
+
+
+def _plan(by_offsets: TerrainProblem, most: int) -> Floats:
+    """Return the planned flights of a problem of waypoints."""
+    table, n = by_offsets.table, by_offsets.num_waypoints
     sideways = np.linspace(table.lower[:n], table.upper[:n], NODES, axis=1)
-    penalties = (PENALTY, 0.0) if problem.cost == "metabox" else (PENALTY,)
+    penalties = (PENALTY, 0.0) if by_offsets.cost == "metabox" else (PENALTY,)
 
     def planned(tolls: Floats) -> tuple[Floats, float]:
         found = []

@@ -8,6 +8,7 @@ import pytest
 from helpers.terrains import rolling_terrain
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.problem.terrain.cost import PENALTY
+from swarm_gym.reference import layered_flights
 from swarm_gym.reference.layered_flights import LEAST_DIFFERENCE, MOST_COST, flight_ways, layered_flight
 from swarm_gym.scenarios import TerrainScenario
 
@@ -57,11 +58,16 @@ def test_a_ridge_is_crossed_at_its_gap():
     assert all(750.0 <= y <= 850.0 for y in ys)
 
 
+def planned_anew(problem, most):
+    layered_flights._planned.clear()
+    return flight_ways(problem, most)
+
+
 def test_flights_differ_and_are_in_the_order_of_their_costs():
     for seed in range(3):
         problem = TerrainProblem(rolling_terrain(seed))
         flights = flight_ways(problem, 4)
-        np.testing.assert_array_equal(flights, flight_ways(problem, 4))
+        np.testing.assert_array_equal(flights, planned_anew(problem, 4))
         costs = [problem.evaluate(flight)[0] for flight in flights]
         assert costs == sorted(costs)
         assert costs[-1] < MOST_COST * costs[0] * MOST_COST
@@ -80,8 +86,28 @@ def test_encodings_have_the_same_flights():
     scenario = rolling_terrain(1)
     for cost in ("documented", "metabox"):
         one = flight_ways(TerrainProblem(scenario, cost=cost), 2)
-        other = flight_ways(TerrainProblem(scenario, "spherical", cost=cost), 2)
+        other = planned_anew(TerrainProblem(scenario, "spherical", cost=cost), 2)
         np.testing.assert_array_equal(one, other)
+
+
+def test_flights_are_planned_once_for_each_problem_and_number(monkeypatch):
+    problem, calls = TerrainProblem(rolling_terrain(2)), []
+
+    def counted(*given):
+        calls.append(1)
+        return layered_flight(*given)
+
+    monkeypatch.setattr(layered_flights, "_planned", {})
+    monkeypatch.setattr(layered_flights, "layered_flight", counted)
+    first = flight_ways(problem, 2)
+    planned = len(calls)
+    first[:] = np.nan
+    again = flight_ways(TerrainProblem(rolling_terrain(2), "spherical"), 2)
+    assert len(calls) == planned > 0
+    assert np.isfinite(again).all()
+    flight_ways(problem, 1)
+    flight_ways(TerrainProblem(rolling_terrain(2), cost="metabox"), 2)
+    assert len(calls) > planned + 1
 
 
 def test_flights_have_the_terms_of_the_cost():
