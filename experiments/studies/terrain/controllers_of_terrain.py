@@ -29,16 +29,21 @@ CONSTANTS = {
     "terrain-firefly-sizes": "terrain-firefly-sizes-start",
     "terrain-firefly-sourced": "terrain-firefly-start",
 }
+# The paper's rules, as printed and with parameters tuned over terrain.
 RULE = "spsfa-tip"
+TUNED_RULES = {
+    "firefly": "tuned:terrain-firefly-schedule",
+    "differential-evolution": "tuned:terrain-schedule",
+}
 
 
 def rule_rows() -> list[AnyRow]:
-    """Return the rows of the paper's printed rules, in their own optimizer and in the one of least excess."""
-    return [
-        ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)),
-        ControlledRow("SPSFA-TIP", "firefly", "guided", (RULE,)),
-        ControlledRow("SPSFA-TIP", "differential-evolution", "guided", (RULE,)),
-    ]
+    """Return the rows of the paper's rules, in their own optimizer and in the one of least excess."""
+    found: list[AnyRow] = [ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,))]
+    for optimizer, tuned in TUNED_RULES.items():
+        found.append(ControlledRow("SPSFA-TIP", optimizer, "guided", (RULE,)))
+        found.append(ControlledRow("SPSFA-TIP, tuned", optimizer, "guided", (tuned,)))
+    return found
 
 
 def blind_rows() -> list[AnyRow]:
@@ -80,7 +85,7 @@ def _by_name(row: ControlledRow, name: str) -> Controller:
     if parts.family in (BLINDED, "learned"):
         return controller_of_name(name)
     smallest = max(2, get_optimizer(row.optimizer).smallest_population)
-    largest = LARGEST_SIZE if parts.family == "open-loop" else SizeLimits().largest
+    largest = LARGEST_SIZE if parts.family in ("open-loop", "tuned") else SizeLimits().largest
     return make_controller(name, SizeLimits(smallest, largest))
 
 

@@ -240,7 +240,7 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
     assert (
-        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 3 + 6 + len(learned_rows()) + 1
+        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 5 + 6 + len(learned_rows()) + 1
     )
 
 
