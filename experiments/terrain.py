@@ -36,7 +36,7 @@ class TerrainConfig:
     terrains: tuple[str, ...] = ("terrain:test:0-55",)
     """Names of terrains or ranges of them, e.g. terrain:test:0-3 terrain:test:28-31."""
     validation: str = "terrain:validation:0-23"
-    """Terrains on which the best blind controller is chosen, a name with a range."""
+    """Terrains on which the best rule or blind controller is chosen, a name with a range."""
     cost: str = "metabox"
     """Cost of flights: metabox, the published one, or documented."""
     evaluations: tuple[int, ...] = (2_500, 20_000)
@@ -108,16 +108,16 @@ def _control(
     asked: Asked,
     known: Floats,
 ) -> list[Table]:
-    """Return the table of controllers, if policies have blind rivals and their flights have a measure."""
+    """Return the table of controllers, if policies have rivals and their flights have a measure."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
     controlled.sort(key=lambda row: [*SIZES].index(row.optimizer))
     learned = {row.optimizer for row in controlled if row.is_learned}
-    blind = [row for row in controlled if not row.is_learned and row.optimizer in learned]
-    if not blind or np.isinf(known).any():
+    unlearned = [row for row in controlled if not row.is_learned and row.optimizer in learned]
+    if not unlearned or np.isinf(known).any():
         return []
-    optimizers = dict.fromkeys(row.optimizer for row in blind)  # in the order of the rows
-    by_optimizer = {name: [row for row in blind if row.optimizer == name] for name in optimizers}
-    several = [row for row in blind if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
+    optimizers = dict.fromkeys(row.optimizer for row in unlearned)  # in the order of the rows
+    by_optimizer = {name: [row for row in unlearned if row.optimizer == name] for name in optimizers}
+    several = [row for row in unlearned if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
     found = measure_all(several, expand_name(config.validation), asked_once, config.output / "runs")
     rivals = {

@@ -1,4 +1,4 @@
-"""The table of controllers: policies, what they are without their eyes, and rivals that see nothing.
+"""The table of controllers: policies, what they are without their eyes, and rivals that were not learned.
 
 The objective is the mean of the logarithm of the cost, times 100, so that a difference of 1 is about one per
 cent of the cost. Trainings maximise a logarithm, too. The rival is chosen on terrains for validation.
@@ -70,7 +70,8 @@ def table_of_control(
             line["objective minus that of the rival"] = _difference(policies, measured[rival][:, 0])
         lines.append(line)
     named = "; ".join(dict.fromkeys(rivals.values()))
-    which = "the blind controller" if len(rivals) == 1 else "of each optimizer the blind controller"
+    which = "the rule or blind controller"
+    which = which if len(rivals) == 1 else f"of each optimizer {which}"
     runs = asked.policy_runs or asked.runs
     caption = (
         f"Controllers with guided members after {asked.evaluations[0]:,} evaluations, cost `{asked.cost}`, "

@@ -21,10 +21,10 @@ SHOWN = (
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
     "L-SHADE, blind schedule, with sources, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided",
     "L-SHADE, learned, with sources, waypoints, guided", "L-SHADE, waypoints, guided",
     "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
-    "multivariate, waypoints, smooth", "L-SHADE, waypoints, smooth", "mealpy L-SHADE, waypoints",
-    "PSO, spherical, uniform",
+    "multivariate, waypoints, smooth", "mealpy L-SHADE, waypoints", "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of that page after more evaluations.
 LONGER = (
