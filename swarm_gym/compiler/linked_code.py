@@ -3,18 +3,30 @@
 By default, Numba optimises each function that it compiles, with all that it calls, and makes machine code of
 it, since Python might call it. Python never calls the compiled code of a kernel, see `jit.kernel`. So the
 code of a kernel is optimised once in each entry, and not at each level of calls.
+
+Code is linked by names. Numba makes a name from the function's name in the source, its types and a number:
+it numbers the functions that a process compiles. Two processes may give one number to two functions, such as
+two lambdas of one file. An entry that linked both from the cache had one of them in place of the other. Here
+the numbers are random.
 """
 
+import secrets
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from llvmlite import binding, ir
 from numba.core import cgutils
+from numba.core.bytecode import FunctionIdentity
 from numba.core.codegen import JITCodeLibrary
 
 if TYPE_CHECKING:  # a private name, which may change without any harm
     from numba.core.codegen import Codegen
 
 Code = TypeVar("Code", bound=JITCodeLibrary)
+
+# This holds for every function that Numba compiles, since kernels call functions of other modules, too.
+# Among a million of them, two have the same number with a chance of 1e-7.
+FunctionIdentity._unique_ids = iter(partial(secrets.randbits, 62), None)
 
 
 def empty_code(kind: type[Code], codegen: "Codegen", name: str) -> Code:

@@ -12,6 +12,7 @@ import pytest
 
 from swarm_gym.compiler import cache
 from swarm_gym.compiler.jit import entry, kernel
+from swarm_gym.compiler.simd import maximum, minimum
 
 pytestmark = pytest.mark.skipif(
     bool(numba.config.DISABLE_JIT), reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
@@ -117,11 +118,63 @@ def compile_in_four_processes(folder):
         process.join()
 
 
+def printed_by(function, folder):
+    """Return what a function of this file prints in a process of its own."""
+    code = f"import {__name__} as tests; tests.{function}(tests.Path({str(folder)!r}))"
+    return subprocess.check_output([sys.executable, "-c", code], cwd=Path(__file__).parent, text=True)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it forks")
 def test_one_of_the_processes_that_need_a_kernel_compiles_it(folder):
-    code = f"import {__name__} as tests; tests.compile_in_four_processes(tests.Path({str(folder)!r}))"
-    printed = subprocess.check_output([sys.executable, "-c", code], cwd=Path(__file__).parent, text=True)
-    assert printed == "[0, 1, 1, 1]\n"
+    assert printed_by("compile_in_four_processes", folder) == "[0, 1, 1, 1]\n"
+
+
+@kernel
+def lower(a, b):
+    return minimum(a, b)
+
+
+@kernel
+def upper(a, b):
+    return maximum(a, b)
+
+
+@entry
+def low(a, b):
+    return lower(a, b)
+
+
+@entry
+def high(a, b):
+    return upper(a, b)
+
+
+@entry
+def low_and_high(a, b):
+    return lower(a, b), upper(a, b)
+
+
+def _call(folder, function, results):
+    cache.cache_folder = lambda: folder
+    results.put(function(1.0, 2.0))
+
+
+def call_one_after_another(folder):
+    """Print what three functions return, each in a process of its own."""
+    context = multiprocessing.get_context("fork")
+    results = context.Queue()
+    for function in (low, high, low_and_high):
+        process = context.Process(target=_call, args=(folder, function, results))
+        process.start()
+        print(results.get(timeout=60))
+        process.join()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it forks")
+def test_kernels_that_processes_compiled_alike_are_told_apart_where_they_are_linked(folder):
+    # The compiled forms of `minimum` and `maximum` have one name, `<lambda>`, and each is the same number of
+    # functions after the beginning of its process, by which Numba tells functions of one name apart.
+    assert printed_by("call_one_after_another", folder) == "1.0\n2.0\n(1.0, 2.0)\n"
 
 
 def test_who_has_waited_long_compiles_it_too(folder, monkeypatch):

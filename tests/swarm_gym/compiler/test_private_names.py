@@ -34,6 +34,7 @@ NAMES = {
         "config.BOUNDSCHECK", "config.DISABLE_JIT", "config.ENABLE_CUDASIM", "config.NUMBA_NUM_THREADS",
         "njit",
     },
+    "numba.core.bytecode": {"FunctionIdentity._unique_ids"},
     "numba.core.caching": {
         "CompileResultCacheImpl", "FunctionCache", "FunctionCache.save_overload", "IndexDataCacheFile",
     },
