@@ -176,10 +176,7 @@ TERRAIN_BLOCKS: Mapping[str, Block] = {
 TERRAIN_TABLES: Mapping[str, Block] = {
     "all-rows-over-terrain": partial(ResultsFolder.text, name=f"{TERRAINS}.md"),
     "all-controllers-over-terrain": partial(ResultsFolder.text, name=f"{CONTROL}.md"),
-    "test-terrains-by-terrain": partial(ResultsFolder.text, name="terrain/all/metabox-by-terrain.md"),
     "longer-rows": partial(ResultsFolder.text, name="terrain/longer/metabox-in-short.md"),
-    "longer-by-terrain": partial(ResultsFolder.text, name="terrain/longer/metabox-by-terrain.md"),
-    "longest-by-terrain": partial(ResultsFolder.text, name="terrain/longest/metabox-by-terrain.md"),
     **texts(("documented-in-short", "documented-by-terrain"), "terrain/eight/"),
     **texts(("beside-metabox",), "terrain/speed/"),
 }
@@ -189,8 +186,16 @@ TERRAIN_BUDGETS: Mapping[str, Block] = {
     "longer-guided": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-in-short.md"),
     "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
     "longest-guided": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-in-short.md"),
-    "longer-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-by-terrain.md"),
-    "longest-guided-by-terrain": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-by-terrain.md"),
+}
+TERRAIN_COSTS: Mapping[str, Block] = {
+    f"{name}-by-terrain": partial(ResultsFolder.text, name=f"{folder}/metabox-by-terrain.md")
+    for name, folder in (
+        ("test-terrains", "terrain/all"),
+        ("longer", "terrain/longer"),
+        ("longer-guided", LONGER_GUIDED),
+        ("longest", "terrain/longest"),
+        ("longest-guided", LONGEST_GUIDED),
+    )
 }
 STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "bbob": (
@@ -213,6 +218,7 @@ STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "terrain": (
         Document(Path("docs/terrain.md"), "", "terrain", blocks=TERRAIN_BLOCKS),
         Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
+        Document(Path("docs/terrain-cost-tables.md"), "", "", blocks=TERRAIN_COSTS),
     ),
     "terrain-budgets": (Document(Path("docs/terrain-budgets.md"), "", "", blocks=TERRAIN_BUDGETS),),
 }
