@@ -36,10 +36,17 @@ TUNED_RULES = {
     "differential-evolution": "tuned:terrain-schedule",
 }
 
+# L-SHADE's own rule, which reduces its population size to 4, from the size that mealpy begins with.
+REDUCTION = "linear-reduction:start=100"
+
 
 def rule_rows() -> list[AnyRow]:
-    """Return the rows of the paper's rules, in their own optimizer and in the one of least excess."""
-    found: list[AnyRow] = [ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,))]
+    """Return the rows of L-SHADE's own rule, and of the paper's in fireflies and in L-SHADE."""
+    found: list[AnyRow] = [
+        ControlledRow("linear reduction", "differential-evolution", source, (REDUCTION,))
+        for source in ("uniform", "guided")
+    ]
+    found.append(ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)))
     for optimizer, tuned in TUNED_RULES.items():
         found.append(ControlledRow("SPSFA-TIP", optimizer, "guided", (RULE,)))
         found.append(ControlledRow("SPSFA-TIP, tuned", optimizer, "guided", (tuned,)))
