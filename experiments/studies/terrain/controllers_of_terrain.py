@@ -36,14 +36,21 @@ TUNED_RULES = {
     "differential-evolution": "tuned:terrain-schedule",
 }
 
-# L-SHADE's own rule, which reduces its population size to 4, from the size that mealpy begins with.
-REDUCTION = "linear-reduction:start=100"
+# L-SHADE's own rule, from the population size that mealpy begins with, in as many iterations as spend the budget.
+REDUCTION, REDUCING_ITERATIONS = "linear-reduction:start=100,smallest=4", 48
 
 
 def rule_rows() -> list[AnyRow]:
     """Return the rows of L-SHADE's own rule, and of the paper's in fireflies and in L-SHADE."""
     found: list[AnyRow] = [
-        ControlledRow("linear reduction", "differential-evolution", source, (REDUCTION,))
+        ControlledRow(
+            "linear reduction",
+            "differential-evolution",
+            source,
+            (REDUCTION,),
+            EVALUATIONS,
+            REDUCING_ITERATIONS,
+        )
         for source in ("uniform", "guided")
     ]
     found.append(ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)))
