@@ -36,7 +36,7 @@ TUNED_RULES = {
     "differential-evolution": "tuned:terrain-schedule",
 }
 
-# L-SHADE's own rule, from the population size that mealpy begins with. So many iterations spend the budget.
+# L-SHADE's own rule, from the population size that mealpy begins with; in so many iterations of an episode.
 REDUCTION, REDUCING_ITERATIONS = "linear-reduction:start=100,smallest=4", 48
 
 

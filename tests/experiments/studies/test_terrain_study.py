@@ -10,7 +10,13 @@ from experiments.documents.records import records_in
 from experiments.studies import libraries
 from experiments.studies.libraries import run_peer
 from experiments.studies.terrain import best_known, measured_costs
-from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, controller_of, learned_rows, rows
+from experiments.studies.terrain.controllers_of_terrain import (
+    EVALUATIONS,
+    controller_of,
+    learned_rows,
+    rows,
+    rule_rows,
+)
 from experiments.studies.terrain.measured_costs import Asked, measure
 from experiments.studies.terrain.rows import PEERS, PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
@@ -18,6 +24,7 @@ from experiments.studies.terrain.tables_of_costs import tables
 from helpers.terrains import rolling_terrain
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import TerrainProblem
+from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import TerrainScenario, make_scenario, registry
 from swarm_gym.worlds import make_problem
@@ -240,8 +247,27 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
     assert (
-        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 5 + 6 + len(learned_rows()) + 1
+        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 7 + 6 + len(learned_rows()) + 1
     )
+
+
+# Of 2,500 evaluations the first population takes 100, which are not among the iterations.
+@pytest.mark.parametrize(("evaluations", "left"), [(2500, 24), (20000, 10)])
+def test_linear_reduction_ends_with_few_members_when_the_budget_is_spent(little_terrain, evaluations, left):
+    row = next(row for row in rule_rows() if "linear reduction" in row.name)
+    swarms = []
+    run_episodes(
+        controller_of(row, row.controllers[0], evaluations),
+        little_terrain,
+        TEST[:1],
+        row.optimizer,
+        lambda simulation: swarms.append((simulation.swarms.size[0], simulation.swarms.evaluations[0])),
+        iterations=row.iterations_of(evaluations),
+        max_evaluations=evaluations,
+    )
+    assert swarms[0][0] == 100
+    assert 4 <= swarms[-1][0] <= left
+    assert swarms[-1][1] == pytest.approx(evaluations, rel=0.02)
 
 
 def test_the_command_refuses_by_name(tmp_path):
