@@ -48,8 +48,8 @@ def rule_rows() -> list[AnyRow]:
             "differential-evolution",
             source,
             (REDUCTION,),
-            EVALUATIONS,
-            REDUCING_ITERATIONS,
+            evaluations=EVALUATIONS,
+            iterations=REDUCING_ITERATIONS,
         )
         for source in ("uniform", "guided")
     ]
