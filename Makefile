@@ -20,7 +20,7 @@ WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 # Rows over terrain of 100,000 evaluations, without planned flights and with them.
 UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
-PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, learned, with sources" "planned flight"
+PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned" "linear reduction, waypoints, guided" "L-SHADE, learned" "planned flight"
 # Of each library the row with the least mean excess after 2,500 evaluations.
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
@@ -197,7 +197,7 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and its appendices (hours)
 	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --keep-best --output results/terrain/longest
-	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --policy-runs 3 --peer-runs 1 --rows $(PLANNED) "mealpy L-SHADE, waypoints" --without blinded --keep-best --output results/terrain/longest-guided
+	$(BIN)/python -m experiments.terrain --evaluations 100000 --runs 31 --policy-runs 3 --peer-runs 1 --rows $(PLANNED) $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --keep-best --output results/terrain/longest-guided
 	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --without cmaes pymoo niapy mealpy "blind schedule" learned --keep-best --output results/terrain/longer
 	$(BIN)/python -m experiments.terrain --evaluations 20000 --runs 31 --policy-runs 7 --peer-runs 1 --rows guided "planned flight" "linear reduction" $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --keep-best --output results/terrain/longer-guided
 	$(BIN)/python -m experiments.terrain --evaluations 2500 --runs 31 --keep-best --output results/terrain/all
