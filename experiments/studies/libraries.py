@@ -148,8 +148,9 @@ def _mealpy(swarm: str) -> Callable[[Counted, int], None]:
         from mealpy.swarm_based.PSO import OriginalPSO
 
         make = {"PSO": OriginalPSO, "L-SHADE": L_SHADE}[swarm]
-        # L-SHADE shrinks until the last of these iterations. With the first population they are more
-        # evaluations than were asked for; those that are too many do not count.
+        # mealpy's L-SHADE keeps all members. Until the last of these iterations, trials move to ever fewer of
+        # the best. With the first population they are more evaluations than were asked for; those that are
+        # too many do not count.
         iterations = max(1, cost.left // make().pop_size)
         bounds = FloatVar(lb=[0.0] * cost.dimension, ub=[1.0] * cost.dimension)
         function = {"obj_func": cost, "bounds": bounds, "minmax": "min", "log_to": None}
