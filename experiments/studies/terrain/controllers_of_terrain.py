@@ -36,7 +36,8 @@ TUNED_RULES = {
     "differential-evolution": "tuned:terrain-schedule",
 }
 
-# L-SHADE's own rule, from the population size that mealpy begins with; in so many iterations of an episode.
+# L-SHADE's own rule, from the population size that mealpy begins with, and the iterations of its episodes
+# with `EVALUATIONS`.
 REDUCTION, REDUCING_ITERATIONS = "linear-reduction:start=100,smallest=4", 48
 
 
