@@ -1,7 +1,7 @@
 """Compare optimizers, encodings, sources and controllers over terrain: `python -m experiments.terrain`.
 
-Runs are kept in a folder, and a later call goes on from there. The first call makes the height maps of the
-terrains, which takes some seconds for each.
+Runs are kept in a folder, and a later call goes on from there, also one that asks for more runs. The first
+call makes the height maps of the terrains, which takes some seconds for each.
 """
 
 from collections.abc import Sequence

@@ -65,9 +65,24 @@ class Asked(NamedTuple):
         return f"{self.runs} runs{listed}{each}"
 
 
-def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
-    """Return the best costs, (budgets, runs), of a row on a terrain; known ones are read from the folder.
+class _Found(NamedTuple):
+    """Known results of a row on a terrain with one evaluation budget.
 
+    Attributes:
+        runs: number of runs of each controller.
+        costs: costs of the best flights, one controller after the other.
+        vector: decision vector of the flight of the least cost.
+    """
+
+    runs: int
+    costs: list[float]
+    vector: list[float]
+
+
+def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
+    """Return the best costs, (budgets, runs), of a row on a terrain.
+
+    Known ones are read from the folder. Where it has fewer runs than asked for, the others are added to them.
     Costs of a budget that the row is not for are NaN. A file has the flight of the least cost, too.
     """
     scenario = make_scenario(terrain)
@@ -79,21 +94,20 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
         if isinstance(row, ControlledRow) and not row.is_for(evaluations):
             found.append([np.nan] * runs * len(row.controllers))
             continue
-        identity = _identity(row, runs, problem, evaluations)
-        parts = (terrain.replace(":", "-"), asked.cost, row.name, str(evaluations), f"{runs}.json")
-        file = folder / "-".join(parts).replace(", ", "-").replace(" ", "-")
-        costs = _read(file, identity)
-        if costs is None:
-            costs, best = [], (np.inf, np.zeros(0))
-            for one in _flights(row, problem, terrain, asked.cost, evaluations, runs):
-                costs.append(one[0])
-                best = min(best, one, key=lambda flight: flight[0])
-            flight = {"encoding": encoding, "vector": best[1].tolist()}
+        identity = _identity(row, problem, evaluations)
+        parts = (terrain.replace(":", "-"), asked.cost, row.name, str(evaluations))
+        name = "-".join(parts).replace(", ", "-").replace(" ", "-")
+        known = _read(folder, name, identity, runs)
+        if known.runs < runs:
+            seeds = TEST[known.runs : runs]
+            known = _added(known, _flights(row, problem, terrain, asked.cost, evaluations, seeds), len(seeds))
             content = {"terrain": terrain, "cost": asked.cost, "row": row.name, "evaluations": evaluations}
+            flight = {"encoding": encoding, "vector": known.vector}
             folder.mkdir(parents=True, exist_ok=True)
-            found_now = {"costs": costs, "flight": flight, "provenance": provenance()}
-            write_atomically(file, json.dumps({"asked": identity, **content, **found_now}) + "\n")
-        found.append(costs)
+            found_now = {"costs": known.costs, "flight": flight, "provenance": provenance()}
+            whole = {"asked": {**identity, "runs": runs}, **content, **found_now}
+            write_atomically(folder / f"{name}-{runs}.json", json.dumps(whole) + "\n")
+        found.append(known.costs)
     return np.array(found)
 
 
@@ -112,8 +126,8 @@ def measure_all(
     return {name: np.stack(parts) for name, parts in found.items()}
 
 
-def _identity(row: AnyRow, runs: int, problem: Problem, evaluations: int) -> dict[str, object]:
-    whole: dict[str, object] = {"row": row.name, "runs": runs, "problem": repr(problem.identity)}
+def _identity(row: AnyRow, problem: Problem, evaluations: int) -> dict[str, object]:
+    whole: dict[str, object] = {"row": row.name, "problem": repr(problem.identity)}
     if isinstance(row, ControlledRow):
         controllers = [_controller(row, name, evaluations).identity() for name in row.controllers]
         whole["iterations"] = row.iterations and row.iterations_of(evaluations)
@@ -126,29 +140,46 @@ def _controller(row: ControlledRow, name: str, evaluations: int) -> Controller:
     return controller_of(row, name, evaluations)
 
 
-def _read(file: Path, identity: Mapping[str, object]) -> list[float] | None:
-    if not file.is_file():
-        return None
-    stored = json.loads(file.read_text(encoding="utf-8"))
-    return stored["costs"] if stored["asked"] == identity else None
+def _read(folder: Path, name: str, identity: Mapping[str, object], runs: int) -> _Found:
+    """Return what is stored with the most runs, but no more than these."""
+    for number in range(runs, 0, -1):
+        file = folder / f"{name}-{number}.json"
+        if file.is_file():
+            stored = json.loads(file.read_text(encoding="utf-8"))
+            if stored["asked"] == {**identity, "runs": number}:
+                return _Found(number, stored["costs"], stored["flight"]["vector"])
+    return _Found(0, [], [])
 
 
-def _flights(row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, runs: int) -> Flights:
-    """Yield the cost and the vector of the best flight of each run."""
+def _added(known: _Found, flights: Flights, runs: int) -> _Found:
+    """Return what is known with further runs, of which flights come in the same order of controllers."""
+    further, vectors = zip(*flights, strict=True)
+    controllers = len(further) // runs
+    both = np.reshape(known.costs, (controllers, known.runs)), np.reshape(further, (controllers, runs))
+    costs = np.concatenate(both, axis=1)
+    is_better = min(further) < min(known.costs, default=np.inf)
+    vector = vectors[int(np.argmin(further))].tolist() if is_better else known.vector
+    return _Found(known.runs + runs, costs.ravel().tolist(), vector)
+
+
+def _flights(
+    row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, seeds: range
+) -> Flights:
+    """Yield the cost and the vector of the best flight of each run, one controller after the other."""
     if isinstance(row, PlannedRow):
         ways = flight_ways(cast(TerrainProblem, problem), 4)
         yield min(((problem.evaluate(way)[0], way) for way in ways), key=lambda flight: flight[0])
     elif isinstance(row, PeerRow):
-        for seed in TEST[:runs]:
+        for seed in seeds:
             found = run_peer(row.peer, problem, evaluations, seed)
             yield float(found.best), found.vector
     else:
         for name in row.controllers:
-            yield from _episodes(row, name, terrain, cost, evaluations, runs)
+            yield from _episodes(row, name, terrain, cost, evaluations, seeds)
 
 
 def _episodes(
-    row: Row | ControlledRow, name: str, terrain: str, cost: str, evaluations: int, runs: int
+    row: Row | ControlledRow, name: str, terrain: str, cost: str, evaluations: int, seeds: range
 ) -> Flights:
     """Yield the flights of the runs of one controller, side by side."""
     controlled = isinstance(row, ControlledRow)
@@ -160,7 +191,7 @@ def _episodes(
     run_episodes(
         _controller(row, name, evaluations) if controlled else make_controller(name),
         terrain,
-        TEST[:runs],
+        seeds,
         row.optimizer,
         look,
         **_options(row, evaluations),

@@ -72,6 +72,32 @@ def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path
     np.testing.assert_array_equal(policies[1], costs[1, [0, 1, 3, 4]])
 
 
+TWO = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"))
+
+
+@pytest.mark.parametrize("row", [ROW, PeerRow("pymoo DE", "spherical"), TWO])
+def test_more_runs_are_added_to_those_that_are_stored(row, little_terrain, tmp_path, monkeypatch):
+    more = Asked("metabox", (200,), 5, 5)
+    fewer = more._replace(runs=2, peer_runs=2)
+    at_once = measure(row, little_terrain, more, tmp_path / "once")
+    first = measure(row, little_terrain, fewer, tmp_path / "steps")
+    seeds, flights = [], measured_costs._flights
+
+    def noted(*given):
+        seeds.extend(given[-1])
+        return flights(*given)
+
+    monkeypatch.setattr(measured_costs, "_flights", noted)
+    np.testing.assert_array_equal(measure(row, little_terrain, more, tmp_path / "steps"), at_once)
+    assert seeds == [2, 3, 4]
+    np.testing.assert_array_equal(measure(row, little_terrain, fewer, tmp_path / "steps"), first)
+    assert seeds == [2, 3, 4]  # fewer are read, too
+    (once,) = (tmp_path / "once").glob("*-5.json")
+    (steps,) = (tmp_path / "steps").glob("*-5.json")
+    stored = [json.loads(file.read_text(encoding="utf-8")) for file in (once, steps)]
+    assert stored[0]["flight"] == stored[1]["flight"]
+
+
 @pytest.mark.parametrize("row", [ROW, PlannedRow(), PeerRow("pymoo DE", "spherical")])
 def test_the_best_flight_of_runs_is_kept_and_replaces_a_worse_one(row, little_terrain, tmp_path):
     runs, file = tmp_path / "runs", tmp_path / "known.json"
