@@ -16,7 +16,7 @@ from experiments.documents.records import commits_in, record_of, write_record
 from experiments.speed.beside_metabox import table_beside_metabox
 from experiments.studies.terrain.best_known import collect, least_costs
 from experiments.studies.terrain.controllers_of_terrain import rows
-from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
+from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all, stored_files
 from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
@@ -32,7 +32,10 @@ class TerrainConfig:
     """Options of the command."""
 
     output: Path = Path("results/terrain")
-    """Folder that tables are written to; its folder `runs` keeps the costs of all runs."""
+    """Folder that tables are written to."""
+    runs_folder: Path | None = None
+    """Folder that keeps the costs of all runs, which several tables may share; by default the folder `runs`
+    in the output."""
     terrains: tuple[str, ...] = ("terrain:test:0-55",)
     """Names of terrains or ranges of them, e.g. terrain:test:0-3 terrain:test:28-31."""
     validation: str = "terrain:validation:0-23"
@@ -79,13 +82,18 @@ def write(config: TerrainConfig) -> list[Path]:
     chosen = _chosen(config)
     terrains = [name for given in config.terrains for name in expand_name(given)]
     asked = Asked(config.cost, tuple(config.evaluations), config.runs, config.peer_runs, config.policy_runs)
-    measured = measure_all(chosen, terrains, asked, config.output / "runs")
+    runs = config.runs_folder or config.output / "runs"
+    measured = measure_all(chosen, terrains, asked, runs)
     if config.keep_best:
-        collect(config.output / "runs", terrains)
+        collect(runs, terrains)
     known = least_costs(config.cost, terrains)
-    made = [*tables(measured, terrains, asked, known), *_control(config, chosen, measured, asked, known)]
-    commits = commits_in((config.output / "runs").glob("*.json"))
-    write_record(record_of(f"terrain-{config.output.name}", commits, digests_of_terrain()), config.output)
+    made = [
+        *tables(measured, terrains, asked, known),
+        *_control(config, chosen, measured, asked, known, runs),
+    ]
+    commits = commits_in(stored_files(chosen, terrains, asked, runs))
+    digests = digests_of_terrain(row.name for row in chosen)
+    write_record(record_of(f"terrain-{config.output.name}", commits, digests), config.output)
     for table in made:
         table.write(config.output)
     return [config.output / f"{table.name}.md" for table in made]
@@ -107,6 +115,7 @@ def _control(
     measured: dict[str, Floats],
     asked: Asked,
     known: Floats,
+    runs: Path,
 ) -> list[Table]:
     """Return the table of controllers, if policies have rivals and their flights have a measure."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
@@ -119,7 +128,7 @@ def _control(
     by_optimizer = {name: [row for row in unlearned if row.optimizer == name] for name in optimizers}
     several = [row for row in unlearned if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
-    found = measure_all(several, expand_name(config.validation), asked_once, config.output / "runs")
+    found = measure_all(several, expand_name(config.validation), asked_once, runs)
     rivals = {
         optimizer: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
         for optimizer, own in by_optimizer.items()

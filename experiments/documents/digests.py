@@ -110,16 +110,22 @@ def digests_of_strong() -> dict[str, str]:
     return found | digests_of_results(one.optimizer for one in entrants())
 
 
-def digests_of_terrain() -> dict[str, str]:
-    """Return the digests of the swarms over terrain, by the rows of their table.
+def digests_of_terrain(names: Iterable[str] | None = None) -> dict[str, str]:
+    """Return the digests of the swarms over terrain by the names of their rows, and those of results.
 
-    A digest is taken over the row, its size or controllers, and the results of the optimizer.
+    The digest of a row is taken over the row, its size or controllers, and the results of the optimizer.
+
+    Args:
+        names: names of the rows that had runs, other libraries among them or not; by default all rows.
     """
     # Imported here: rows of other libraries need these.
     from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, controller_of, rows
     from experiments.studies.terrain.rows import SIZES, ControlledRow, Row
 
     swarms = [row for row in rows() if isinstance(row, Row | ControlledRow)]
+    if names is not None:
+        chosen = set(names)
+        swarms = [row for row in swarms if row.name in chosen]
     results = digests_of_results(row.optimizer for row in swarms)
     found = {}
     for row in swarms:
@@ -133,7 +139,7 @@ def digests_of_terrain() -> dict[str, str]:
             plain = [name for name in row.controllers if ControllerName.parse(name).family != BLINDED]
             deciding = [controller_of(row, name, EVALUATIONS).identity() for name in plain]
         found[row.name] = digest([described, deciding, results[results_key(row.optimizer)]])
-    return found
+    return found | results
 
 
 def digests_of_one_max() -> dict[str, str]:

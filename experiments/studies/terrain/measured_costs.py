@@ -95,8 +95,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
             found.append([np.nan] * runs * len(row.controllers))
             continue
         identity = _identity(row, problem, evaluations)
-        parts = (terrain.replace(":", "-"), asked.cost, row.name, str(evaluations))
-        name = "-".join(parts).replace(", ", "-").replace(" ", "-")
+        name = _file_name(row, terrain, asked.cost, evaluations)
         known = _read(folder, name, identity, runs)
         if known.runs < runs:
             seeds = TEST[known.runs : runs]
@@ -124,6 +123,25 @@ def measure_all(
         for row in every:
             found.setdefault(row.name, []).append(measure(row, terrain, asked, folder))
     return {name: np.stack(parts) for name, parts in found.items()}
+
+
+def stored_files(chosen: Iterable[AnyRow], terrains: Sequence[str], asked: Asked, folder: Path) -> list[Path]:
+    """Return the files of what is stored of rows on terrains, whatever the number of runs."""
+    every = list(folder.glob("*.json"))
+    rows = list(chosen)
+    names = {
+        _file_name(row, terrain, asked.cost, evaluations)
+        for row in rows
+        for terrain in terrains
+        for evaluations in asked.evaluations
+    }
+    return [file for file in every if file.stem.rpartition("-")[0] in names]
+
+
+def _file_name(row: AnyRow, terrain: str, cost: str, evaluations: int) -> str:
+    """Return the name of a file without its number of runs."""
+    parts = (terrain.replace(":", "-"), cost, row.name, str(evaluations))
+    return "-".join(parts).replace(", ", "-").replace(" ", "-")
 
 
 def _identity(row: AnyRow, problem: Problem, evaluations: int) -> dict[str, object]:

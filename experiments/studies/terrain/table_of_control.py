@@ -95,4 +95,4 @@ def _difference(policies: Floats, rival: Floats) -> Entry:
     differences = 100.0 * (mine - theirs)  # (policies, terrains, runs)
     halves = (terrains // 2, terrains - terrains // 2)
     ends = interval(means(differences, draw(len(differences), halves, runs)))
-    return number_in(float(differences.mean()), ends, "+.1f")
+    return number_in(float(differences.mean()), ends, "+.2f")

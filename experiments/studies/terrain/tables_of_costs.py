@@ -84,7 +84,8 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
     caption = (
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
         f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
-        f"many evaluations. First on terrains: where the mean is the least after {asked.evaluations[0]:,}. "
+        f"many evaluations. First on terrains: where the mean after {asked.evaluations[0]:,} is the least of "
+        f"all {len(measured)} rows of these runs. "
         f"{below}What planning takes is not in the evaluations"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]

@@ -1,6 +1,7 @@
 """The study over terrain: its runs are kept, and its tables count them right."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -321,7 +322,33 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
     assert "little" in files[1].read_text(encoding="utf-8")
     (record,) = records_in(tmp_path)
     assert record.commits
-    assert "fireflies, waypoints, guided" in record.digests
+    shown = {"fireflies, waypoints, guided", "fireflies, waypoints, smooth"}
+    assert record.digests.keys() == {*shown, "results of firefly"}
+
+
+def test_tables_share_runs_and_know_the_commits_of_their_own(little_terrain, tmp_path, monkeypatch):
+    config = command.TerrainConfig(
+        output=tmp_path / "both",
+        runs_folder=tmp_path / "runs",
+        terrains=(little_terrain,),
+        evaluations=(100,),
+        runs=2,
+        rows=(ROW.name, PLANNED),
+    )
+    command.write(config)
+    assert not (tmp_path / "both" / "runs").exists()
+    for file in (tmp_path / "runs").glob("*planned*"):
+        stored = json.loads(file.read_text(encoding="utf-8"))
+        changed = {**stored, "provenance": {"commit": "f" * 40}}
+        file.write_text(json.dumps(changed), encoding="utf-8")
+    monkeypatch.setattr(measured_costs, "run_episodes", None)  # a further run would fail
+    command.write(replace(config, output=tmp_path / "one", rows=(ROW.name,)))
+    (one,) = records_in(tmp_path / "one")
+    (both,) = records_in(tmp_path / "both")
+    assert one.commits == both.commits
+    command.write(replace(config, output=tmp_path / "again"))
+    (again,) = records_in(tmp_path / "again")
+    assert again.commits.keys() == {*both.commits, "f" * 10}
 
 
 def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tmp_path, monkeypatch):
