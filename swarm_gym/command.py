@@ -9,6 +9,7 @@ import re
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NoReturn
@@ -97,6 +98,19 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
         except expected as error:
             more = f"; {kept}" if kept and isinstance(error, OSError) else ""
             sys.exit(f"error: {_shortened(str(error))}{more}")
+
+
+@contextmanager
+def warnings_in_a_line() -> Iterator[None]:
+    """Print warnings to standard error, each in a line without the place in the code."""
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        print(f"warning: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", UserWarning)
+        warnings.showwarning = show
+        yield
 
 
 def _shortened(message: str) -> str:

@@ -7,14 +7,12 @@ called like the function.
 
 import argparse
 import sys
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from swarm_gym.command import NumberParser, budget, point
+from swarm_gym.command import NumberParser, budget, point, warnings_in_a_line
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.drive_costs import USUAL
 from swarm_gym.planning.flights import command_line
@@ -55,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         require_formats(options.output)
         evaluations, seconds = options.budget
-        with _warnings_in_a_line():
+        with warnings_in_a_line():
             found = plan(
                 options.map,
                 options.start,
@@ -261,19 +259,6 @@ def _weights(text: str) -> dict[str, float]:
                 f"expected name=number, e.g. distance=2, got {part!r}"
             ) from error
     return found
-
-
-@contextmanager
-def _warnings_in_a_line() -> Iterator[None]:
-    """Print warnings to standard error, each in a line without the place in the code."""
-
-    def show(message: Warning | str, *_: Any, **__: Any) -> None:
-        print(f"warning: {message}", file=sys.stderr)
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", UserWarning)
-        warnings.showwarning = show
-        yield
 
 
 def _described(found: Plan) -> str:

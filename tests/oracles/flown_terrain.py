@@ -1,23 +1,29 @@
 """An independent check of flights over terrain: dense points, plain bilinear ground, and discs of shapely."""
 
 import math
+from functools import partial
 from itertools import pairwise
 
+from pyproj import Proj
 from shapely.geometry import LineString, Point
 
 STEP = 0.2  # of a cell, between two points
 
 
-def faults(scenario, waypoints, touch=1e-6):
-    """Return what is wrong with a flight, (k, 3) of x, y and height above sea level, as sentences."""
+def faults(scenario, waypoints, touch=1e-6, ground=None):
+    """Return what is wrong with a flight, (k, 3) of x, y and height above sea level, as sentences.
+
+    The ground, a function of x and y, is that of the scenario by default.
+    """
     found = []
+    ground = ground or partial(_ground, scenario)
     ends = (waypoints[0], scenario.start), (waypoints[-1], scenario.goal)
     for (x, y, z), (end_x, end_y, above) in ends:
-        if math.dist((x, y), (end_x, end_y)) > touch or abs(z - _ground(scenario, x, y) - above) > touch:
+        if math.dist((x, y), (end_x, end_y)) > touch or abs(z - ground(x, y) - above) > touch:
             found.append(f"an end at {(x, y, z)} is not {(end_x, end_y, above)}")
     lowest, highest = scenario.band
     for x, y, z in _points(scenario, waypoints):
-        above = z - _ground(scenario, x, y)
+        above = z - ground(x, y)
         if not lowest - touch <= above <= highest + touch:
             found.append(f"{above:.4f} m above ground at {(x, y)}")
     for number, (x, y, top, radius) in enumerate(scenario.threats.tolist()):
@@ -47,13 +53,30 @@ def _points(scenario, waypoints):
             yield tuple(p + s * (q - p) for p, q in zip(begin, end, strict=True))
 
 
+def ground_in_degrees(elevation, longitude, latitude):
+    """Return the ground of an elevation model in degrees as a function of metres around a place."""
+    plane = Proj(proj="aeqd", lon_0=longitude, lat_0=latitude, ellps="WGS84")
+
+    def ground(x, y):
+        east, north = plane(x, y, inverse=True)
+        (first, south), (dx, dy) = elevation.origin, elevation.spacing
+        return bilinear(elevation.heights, (east - first) / dx, (north - south) / dy)
+
+    return ground
+
+
 def _ground(scenario, x, y):
-    """Return the height of the ground: the mean of four posts, weighted by the opposite areas."""
+    """Return the height of the ground of a scenario."""
     u, v = (x - scenario.origin[0]) / scenario.cell, (y - scenario.origin[1]) / scenario.cell
-    rows, columns = scenario.heights.shape
+    return bilinear(scenario.heights, u, v)
+
+
+def bilinear(heights, u, v):
+    """Return the mean of four posts, weighted by the opposite areas."""
+    rows, columns = heights.shape
     i, j = min(max(int(u), 0), columns - 2), min(max(int(v), 0), rows - 2)
     return sum(
-        scenario.heights[j + dj, i + di] * abs(1 - di - (u - i)) * abs(1 - dj - (v - j))
+        heights[j + dj, i + di] * abs(1 - di - (u - i)) * abs(1 - dj - (v - j))
         for di in (0, 1)
         for dj in (0, 1)
     )

@@ -5,11 +5,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from swarm_gym.command import NumberParser, budget
+from swarm_gym.command import INTERRUPTED, NumberParser, budget, warnings_in_a_line
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.flights.planner import is_elevation, plan_flight
 from swarm_gym.planning.flights.result import Flight
-from swarm_gym.planning.flights.writing import FORMATS, require_formats, write_flight
+from swarm_gym.planning.flights.writing import FORMATS, write_flight
 from swarm_gym.scenarios.formats.geographic import COORDINATES
 from swarm_gym.scenarios.terrain import file_family, generated, uav56
 
@@ -43,28 +43,32 @@ def main(arguments: Sequence[str]) -> int:
     """Plan a flight, print what is known of it and write it; return the exit status."""
     options = _parser().parse_args(arguments)
     try:
-        require_formats(options.output)
         evaluations, seconds = options.budget
-        found = plan_flight(
-            options.map,
-            options.start,
-            options.goal,
-            threats=options.threats,
-            altitude=options.altitude,
-            largest_turn=options.max_turn,
-            largest_climb=options.max_climb,
-            drone_size=options.drone_size,
-            coordinates=options.coordinates,
-            optimizer=options.optimizer,
-            controller=options.controller,
-            max_evaluations=evaluations,
-            max_seconds=seconds,
-            seed=options.seed,
-        )
+        with warnings_in_a_line():
+            found = plan_flight(
+                options.map,
+                options.start,
+                options.goal,
+                threats=options.threats,
+                altitude=options.altitude,
+                largest_turn=options.max_turn,
+                largest_climb=options.max_climb,
+                drone_size=options.drone_size,
+                coordinates=options.coordinates,
+                optimizer=options.optimizer,
+                controller=options.controller,
+                max_evaluations=evaluations,
+                max_seconds=seconds,
+                seed=options.seed,
+                outputs=options.output,
+            )
         print(described(found))
         if options.output:
             write_flight(found, *options.output)
             print(f"written to {', '.join(map(str, options.output))}")
+    except KeyboardInterrupt:
+        print("interrupted before a flight was planned or written", file=sys.stderr)
+        return INTERRUPTED
     except NoPathError as error:
         print(f"no flight: {error}", file=sys.stderr)
         return NO_PATH
@@ -124,30 +128,27 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--altitude",
         type=_band,
-        default=(100.0, 200.0),
         metavar="LEAST..GREATEST",
-        help="heights above ground that are allowed, in metres (default: 100..200)",
+        help="heights above ground that are allowed, in metres (default: 100..200, or those of the scenario)",
     )
     parser.add_argument(
         "--max-turn",
         type=float,
-        default=45.0,
         metavar="DEGREES",
-        help="largest turn at a waypoint, seen from above (default: 45)",
+        help="largest turn at a waypoint, seen from above (default: 45, or that of the scenario)",
     )
     parser.add_argument(
         "--max-climb",
         type=float,
-        default=45.0,
         metavar="DEGREES",
-        help="largest angle of climb or descent (default: 45)",
+        help="largest angle of climb or descent (default: 45, or that of the scenario)",
     )
     parser.add_argument(
         "--drone-size",
         type=float,
-        default=1.0,
         metavar="METRES",
-        help="distance from a threat that counts as contact, e.g. half the span (default: 1)",
+        help="distance from a threat that counts as contact, e.g. half the span (default: 1, or that of the "
+        "scenario)",
     )
     parser.add_argument(
         "--coordinates",

@@ -14,8 +14,6 @@ from swarm_gym.scenarios.terrain.survey import Survey
 
 Floats = NDArray[np.float64]
 
-PIECES = 4  # of the way between two lines of cells, at which heights of the file are looked up
-
 
 class Measures(NamedTuple):
     """Measures of a flight, see `Flight`."""
@@ -34,32 +32,22 @@ def length_of(waypoints: Floats) -> float:
 
 
 def measured(task: Survey, waypoints: Floats) -> Measures:
-    """Return the measures of a flight, (k, 3).
-
-    Heights above ground are exact on the ground of the task. The ground of the file, from which it may have
-    been sampled, is looked up at many points besides.
-    """
-    scenario = task.scenario
-    track = ground_track(scenario, waypoints[:, :2])
+    """Return the measures of a flight, (k, 3), above the ground of the file."""
+    track = ground_track(task, waypoints[:, :2])
     z = np.interp(track.along, track.along[track.vertices], waypoints[:, 2])
     apart = z - track.ground
     # Along a piece the height above ground is quadratic; its extreme values lie at nodes or at the vertex.
     lows, highs = _extremes(apart[:-1], apart[1:], track.bulge - track.sink)
-    shares = np.arange(PIECES) / PIECES
-    finer = np.append(track.along[:-1, None] + np.diff(track.along)[:, None] * shares, track.along[-1])
-    places = np.column_stack([np.interp(finer, track.along, track.points[:, k]) for k in range(2)])
-    file_apart = np.interp(finer, track.along, z) - task.file_ground(places)
-    file_apart = file_apart[np.isfinite(file_apart)]
     steps = np.diff(waypoints, axis=0)
     level = np.hypot(steps[:, 0], steps[:, 1])
     climbs = np.degrees(np.arctan2(np.abs(steps[:, 2]), level))
     return Measures(
-        waypoints[:, 2] - scenario.ground(waypoints[:, :2]),
-        float(min(lows.min(), *file_apart)),
-        float(max(highs.max(), *file_apart)),
+        waypoints[:, 2] - task.ground(waypoints[:, :2]),
+        float(lows.min()),
+        float(highs.max()),
         float(climbs.max()),
         _sharpest_turn(steps[level > 0.0]),
-        _passed(scenario, waypoints[:, :2]),
+        _passed(task.scenario, waypoints[:, :2]),
     )
 
 

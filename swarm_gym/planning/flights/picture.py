@@ -116,7 +116,7 @@ def shaded(scenario: TerrainScenario) -> NDArray[np.uint8]:
 
 def _draw_profile(canvas: Any, flight: Flight, top: int) -> None:
     """Draw the heights of ground, altitude band and flight over the distance from the start."""
-    track = ground_track(flight.map, flight.waypoints[:, :2])
+    track = ground_track(flight.task, flight.waypoints[:, :2])
     z = np.interp(track.along, track.along[track.vertices], flight.waypoints[:, 2])
     lowest, highest = flight.map.band
     least, most = float(track.ground.min()), float(max(z.max(), (track.ground + highest).max()))

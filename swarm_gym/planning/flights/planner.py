@@ -2,13 +2,17 @@
 
 import math
 import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.flights.measures import measured
 from swarm_gym.planning.flights.result import Flight
 from swarm_gym.planning.flights.search import EPISODES, FlightSearch
+from swarm_gym.planning.flights.writing import require_formats, require_places
 from swarm_gym.scenarios import TerrainScenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.elevation_files import READERS
@@ -24,17 +28,18 @@ def plan_flight(
     goal: Point3 | None = None,
     *,
     threats: str | Path | None = None,
-    altitude: tuple[float, float] = (100.0, 200.0),
-    largest_turn: float = 45.0,
-    largest_climb: float = 45.0,
-    drone_size: float = 1.0,
-    danger_distance: float = 10.0,
+    altitude: tuple[float, float] | None = None,
+    largest_turn: float | None = None,
+    largest_climb: float | None = None,
+    drone_size: float | None = None,
+    danger_distance: float | None = None,
     coordinates: str | None = None,
     optimizer: str | None = None,
     controller: str | None = None,
     max_evaluations: int | None = None,
     max_seconds: float | None = None,
     seed: int = 0,
+    outputs: Sequence[Path] = (),
 ) -> Flight:
     """Return a short flight over terrain that keeps to the altitude band and the limits, and out of threats.
 
@@ -49,7 +54,8 @@ def plan_flight(
         start: x, y or longitude, latitude, and height above ground; a scenario has its own.
         goal: x, y or longitude, latitude, and height above ground; a scenario has its own.
         threats: GeoJSON file of points with a radius, see `swarm_gym.scenarios.formats.threat_file`.
-        altitude: least and greatest height above ground, in metres.
+        altitude: least and greatest height above ground, in metres. This and the next four are those of the
+            scenario by default; for an elevation model 100 to 200 metres, 45 and 45 degrees, 1 and 10 metres.
         largest_turn: largest turn at a waypoint, in degrees.
         largest_climb: largest angle of climb or descent, in degrees.
         drone_size: distance from a threat that counts as contact, in metres.
@@ -60,40 +66,35 @@ def plan_flight(
         max_evaluations: evaluations after which no further episode begins, and at least one does.
         max_seconds: seconds after which planning ends.
         seed: seed of the first episode.
+        outputs: files that `write_flight` is to write; what they cannot be is refused before planning.
 
     Raises:
         ScenarioError: for files, a start, a goal or limits that are invalid.
         SettingError: for another value that is invalid.
         NoPathError: if no flight was found within the budget.
-        MissingExtraError: if a file needs a library that is missing.
+        MissingExtraError: if a file or an output needs a library that is missing.
     """
     require_integer("seed", seed, 0, 2**31)
     if max_seconds is not None:
         require_number("max_seconds", max_seconds, 1e-3, 1e9)
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
+    require_formats(outputs)
     began = time.monotonic()
-    if is_elevation(where):
-        path = Path(str(where))
-        if start is None or goal is None:
-            raise ScenarioError(
-                f"map {shown(str(where))}: a file needs a start and a goal, x, y and height above ground"
-            )
-        task = survey(
-            path if path.is_file() else find_data_file(str(where)),
-            start,
-            goal,
-            threats=None if threats is None else _found(threats),
-            altitude=altitude,
-            largest_turn=largest_turn,
-            largest_climb=largest_climb,
-            drone_size=drone_size,
-            danger_distance=danger_distance,
-            coordinates=coordinates,
-        )
-    else:
-        task = _named(where, start, goal, threats)
-    search = FlightSearch(task.scenario, optimizer, controller, seed, began)
+    task = _task(
+        where,
+        start,
+        goal,
+        threats=threats,
+        altitude=altitude,
+        largest_turn=largest_turn,
+        largest_climb=largest_climb,
+        drone_size=drone_size,
+        danger_distance=danger_distance,
+        coordinates=coordinates,
+    )
+    require_places(outputs, task)
+    search = FlightSearch(task, optimizer, controller, seed, began)
     search.begin()
     stopped = False
     if not search.improvements or optimizer or controller or max_evaluations or max_seconds:
@@ -106,6 +107,11 @@ def plan_flight(
     if not search.improvements:
         climb = search.least_climb()
         steep = climb > task.scenario.largest_climb and math.isfinite(climb)
+        if stopped:
+            raise NoPathError(
+                f"stopped by Ctrl-C after {seconds:.2f} seconds, before a flight over "
+                f"{task.scenario.name!r} was found"
+            )
         raise NoPathError(
             f"no flight found over {task.scenario.name!r} with {search.evaluations:,} evaluations in "
             f"{seconds:.2f} "
@@ -126,6 +132,42 @@ def plan_flight(
     )
 
 
+def _task(
+    where: str | Path | TerrainScenario,
+    start: Point3 | None,
+    goal: Point3 | None,
+    *,
+    threats: str | Path | None,
+    coordinates: str | None,
+    altitude: tuple[float, float] | None,
+    largest_turn: float | None,
+    largest_climb: float | None,
+    drone_size: float | None,
+    danger_distance: float | None,
+) -> Survey:
+    """Return the task of a flight; see `plan_flight`."""
+    limits: dict[str, Any] = {
+        "largest_turn": largest_turn,
+        "largest_climb": largest_climb,
+        "drone_size": drone_size,
+        "danger_distance": danger_distance,
+    }
+    limits = {name: value for name, value in limits.items() if value is not None}
+    if not is_elevation(where):
+        if altitude is not None:
+            limits["band"] = altitude
+        task = _named(where, {"start": start, "goal": goal, "threats": threats, "coordinates": coordinates})
+        return replace(task, scenario=replace(task.scenario, **limits)) if limits else task
+    if start is None or goal is None:
+        raise ScenarioError(
+            f"map {shown(str(where))}: a file needs a start and a goal, x, y and height above ground"
+        )
+    if altitude is not None:
+        limits["altitude"] = altitude
+    near = None if threats is None else _found(threats)
+    return survey(_found(str(where)), start, goal, threats=near, coordinates=coordinates, **limits)
+
+
 def is_elevation(where: object) -> bool:
     """Return whether a map is an elevation model, by the ending of its name."""
     named = isinstance(where, str | Path) and not str(where).startswith(f"{file_family.NAME}:")
@@ -133,12 +175,20 @@ def is_elevation(where: object) -> bool:
 
 
 def _found(path: str | Path) -> Path:
-    return Path(path) if Path(path).is_file() else find_data_file(str(path))
+    """Return a file by its path from the current folder, or by its name in the data folder."""
+    if Path(path).is_file():
+        return Path(path)
+    if Path(path).exists():
+        raise ScenarioError(f"{path}: expected a file, this is a folder")
+    try:
+        return find_data_file(str(path))
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}; nor is there a file {path} from {Path.cwd()}") from error
 
 
-def _named(where: str | Path | TerrainScenario, start: object, goal: object, threats: object) -> Survey:
-    """Return the task of a scenario or of its name."""
-    for role, value in (("start", start), ("goal", goal), ("threats", threats)):
+def _named(where: str | Path | TerrainScenario, given: Mapping[str, object]) -> Survey:
+    """Return the task of a scenario or of its name, which has what may not be given."""
+    for role, value in given.items():
         if value is not None:
             raise ScenarioError(f"map {shown(str(where))}: a scenario has its own {role}; leave it out")
     if isinstance(where, str) and where.strip().startswith(f"{file_family.NAME}:"):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from swarm_gym.planning.flights.ground_track import GroundTrack, ground_track
 from swarm_gym.scenarios import TerrainScenario
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y
+from swarm_gym.scenarios.terrain.survey import Survey
 
 Floats = NDArray[np.float64]
 
@@ -23,18 +24,21 @@ NARROWING = 0.2  # metres of inset for each metre from start and goal
 SPARE = 1e-3  # metres that a flight always keeps from the limits
 
 
-def flown(scenario: TerrainScenario, route: Floats) -> Floats | None:
+def flown(task: Survey, route: Floats) -> Floats | None:
     """Return the flight over a route, (k, 3): x, y and height above sea level; None if it cannot be flown.
 
     Args:
-        scenario: the task.
+        task: the task.
         route: (k, 2) points from start to goal, seen from above.
     """
+    scenario = task.scenario
     x_min, y_min, x_max, y_max = scenario.workspace
     if (route < (x_min, y_min)).any() or (route > (x_max, y_max)).any() or _turns_too_much(scenario, route):
         return None
-    track = _with_rims(scenario, ground_track(scenario, route))
+    track = _with_rims(task, ground_track(task, route))
     low, high = _channel(scenario, track)
+    if np.isnan(low).any():  # beside a gap of the file
+        return None
     limit = math.tan(math.radians(scenario.largest_climb)) * (1.0 - 1e-9)
     from_ends = np.minimum(track.along, track.along[-1] - track.along)
     width = scenario.band[1] - scenario.band[0]
@@ -49,16 +53,16 @@ def flown(scenario: TerrainScenario, route: Floats) -> Floats | None:
     return None
 
 
-def least_climb(scenario: TerrainScenario, route: Floats) -> float:
+def least_climb(task: Survey, route: Floats) -> float:
     """Return the smallest angle of climb in degrees with which a route stays in the band, or infinity.
 
     Args:
-        scenario: the task.
+        task: the task.
         route: (k, 2) points of the map from start to goal, seen from above, whatever its turns.
     """
-    track = _with_rims(scenario, ground_track(scenario, route))
-    low, high = _channel(scenario, track)
-    if (low > high).any():
+    track = _with_rims(task, ground_track(task, route))
+    low, high = _channel(task.scenario, track)
+    if not (low <= high).all():  # also beside a gap of the file
         return math.inf
     places, heights = _taut(track.along, low, high)
     return float(np.degrees(np.arctan2(np.abs(np.diff(heights)), np.diff(track.along[places]))).max())
@@ -74,9 +78,9 @@ def _turns_too_much(scenario: TerrainScenario, route: Floats) -> bool:
     return bool((np.degrees(turns) > scenario.largest_turn * (1.0 - 1e-12)).any())
 
 
-def _with_rims(scenario: TerrainScenario, track: GroundTrack) -> GroundTrack:
+def _with_rims(task: Survey, track: GroundTrack) -> GroundTrack:
     """Return a track with nodes where it enters or leaves a threat: the channel has steps there."""
-    added = []
+    scenario, added = task.scenario, []
     for x, y, top, radius in scenario.threats.tolist():
         if math.isinf(top):
             continue
@@ -102,7 +106,7 @@ def _with_rims(scenario: TerrainScenario, track: GroundTrack) -> GroundTrack:
         on = [p for p in added if length and _is_on(p, begin, step, length)]
         on.sort(key=lambda p: float((p - begin) @ step))
         finer += [np.array([*on, end])]
-    return ground_track(scenario, np.vstack(finer))
+    return ground_track(task, np.vstack(finer))
 
 
 def _is_on(point: Floats, begin: Floats, step: Floats, length: float) -> bool:

@@ -12,7 +12,7 @@ from swarm_gym.planning.flights.measures import length_of
 from swarm_gym.planning.flights.profile import flown, least_climb
 from swarm_gym.planning.flights.result import FlightImprovement
 from swarm_gym.problem import TerrainProblem
-from swarm_gym.scenarios import TerrainScenario
+from swarm_gym.scenarios.terrain.survey import Survey
 
 Floats = NDArray[np.float64]
 
@@ -32,13 +32,13 @@ class FlightSearch:
 
     def __init__(
         self,
-        scenario: TerrainScenario,
+        task: Survey,
         optimizer: str | None,
         controller: str | None,
         seed: int,
         began: float,
     ):
-        self._scenario, self._optimizer = scenario, optimizer or OPTIMIZER
+        self._task, self._optimizer = task, optimizer or OPTIMIZER
         self._controller: Controller = make_controller(controller or CONTROLLER)
         self._seed, self._began, self._episodes = seed, began, 0
         self._environments: dict[int, SwarmEnv] = {}
@@ -48,7 +48,7 @@ class FlightSearch:
 
     def begin(self) -> None:
         """Keep the straight line if it can be flown."""
-        self._keep(np.array([self._scenario.start[:2], self._scenario.target]), "straight line")
+        self._keep(np.array([self._task.scenario.start[:2], self._task.scenario.target]), "straight line")
 
     def run_until(self, most_evaluations: float, limit: float, most_episodes: float) -> bool:
         """Run episodes until a budget is spent; return whether Ctrl-C ended them.
@@ -76,7 +76,7 @@ class FlightSearch:
         if count not in self._environments:
             self._environments[count] = SwarmEnv(
                 self._optimizer,
-                scenario=self._scenario,
+                scenario=self._task.scenario,
                 num_waypoints=count,
                 iterations=ITERATIONS,
                 source="guided",
@@ -103,7 +103,7 @@ class FlightSearch:
 
     def least_climb(self) -> float:
         """Return the smallest angle of climb in degrees that a route so far needs, or infinity."""
-        return min((least_climb(self._scenario, route) for route in self._refused), default=math.inf)
+        return min((least_climb(self._task, route) for route in self._refused), default=math.inf)
 
     def _keep_ways(self, env: SwarmEnv) -> None:
         """Keep the flights over a coarse graph, around which the members of a swarm begin."""
@@ -121,8 +121,8 @@ class FlightSearch:
 
     def _keep(self, route: Floats, found_by: str) -> None:
         """Keep the flight over a route, without needless waypoints, if it is the shortest one."""
-        route = _straightened(self._scenario, route)
-        flight = flown(self._scenario, route)
+        route = _straightened(self._task, route)
+        flight = flown(self._task, route)
         if flight is None:
             self._refused.append(route)
             return
@@ -132,19 +132,19 @@ class FlightSearch:
             self.improvements.append(FlightImprovement(seconds, flight, length, found_by))
 
 
-def _straightened(scenario: TerrainScenario, route: Floats) -> Floats:
+def _straightened(task: Survey, route: Floats) -> Floats:
     """Return a route without the waypoints whose removal makes its flight shorter, one at a time.
 
     A route that cannot be flown is returned as it is, unless one waypoint less lets it be flown.
     """
-    flight = flown(scenario, route)
+    flight = flown(task, route)
     length = math.inf if flight is None else length_of(flight)
     shorter = True
     while shorter and len(route) > 2:
         shorter = False
         for number in range(1, len(route) - 1):
             without = np.delete(route, number, axis=0)
-            found = flown(scenario, without)
+            found = flown(task, without)
             if found is not None and length_of(found) < length:
                 route, length, shorter = without, length_of(found), True
                 break

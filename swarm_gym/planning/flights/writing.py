@@ -18,6 +18,7 @@ from swarm_gym.planning.flights.result import Flight
 from swarm_gym.planning.writing import checked, format_of
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
+from swarm_gym.scenarios.terrain.survey import Survey
 
 Floats = NDArray[np.float64]
 
@@ -153,6 +154,21 @@ def require_formats(paths: Iterable[Path]) -> None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "terrain")
 
 
+def require_places(paths: Iterable[Path], task: Survey) -> None:
+    """Raise an error if a file needs longitude and latitude, and the task has no place on the earth.
+
+    Raises:
+        SettingError: for KML or a mission over such a task.
+    """
+    for path in paths:
+        if path.suffix in (".kml", ".plan") and task.system is None:
+            if task.elevation is None:
+                reason = f"{task.scenario.name!r} has no place on the earth; write CSV or GeoJSON"
+            else:
+                reason = f"{task.elevation.path} names no coordinate reference system; add a .prj file"
+            raise SettingError(f"output {str(path)!r}: KML and missions need {GEOGRAPHIC}, and {reason}")
+
+
 def write_flight(flight: Flight, *paths: Path) -> None:
     """Write a flight to files, each in the format that its ending names.
 
@@ -163,6 +179,7 @@ def write_flight(flight: Flight, *paths: Path) -> None:
         MissingExtraError: for a PNG, if Pillow is missing.
         OSError: naming the first file that cannot be written; those before it are complete.
     """
+    require_places(paths, flight.task)
     contents = [format_of(path, FORMATS)(flight) for path in paths]
     for path, content in zip(paths, contents, strict=True):
         write_atomically(path, content)
@@ -171,10 +188,8 @@ def write_flight(flight: Flight, *paths: Path) -> None:
 def _degrees(flight: Flight) -> Floats:
     places = flight.in_degrees
     if places is None:
-        raise SettingError(
-            f"output: KML and missions need {GEOGRAPHIC}, and {flight.map.name!r} names no coordinate "
-            "reference system; add a .prj file, or write CSV"
-        )
+        require_places([Path("flight.kml")], flight.task)
+    assert places is not None
     return places
 
 

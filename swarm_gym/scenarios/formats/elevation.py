@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.scenarios.formats.geographic import PLANE
+from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE
 
 Floats = NDArray[np.float64]
 
 MAX_POSTS = 100_000_000  # heights of a file
 MAX_FILE = 2**30  # bytes
+FINEST_METRES = 0.05  # distance of posts; those of degrees are smaller
 
 
 class Elevation(NamedTuple):
@@ -55,6 +56,16 @@ class Elevation(NamedTuple):
         high = self.heights[j + 1, i] * (1.0 - right) + self.heights[j + 1, i + 1] * right
         found: Floats = np.where(inside, low * (1.0 - up) + high * up, np.nan)
         return found
+
+
+def guessed_kind(elevation: Elevation) -> str:
+    """Return the kind of the coordinates of a file that names no reference system.
+
+    They are degrees if they can be, and posts are closer than `FINEST_METRES`.
+    """
+    x_min, y_min, x_max, y_max = elevation.box
+    can_be = max(abs(x_min), abs(x_max)) <= 180.5 and max(abs(y_min), abs(y_max)) <= 90.5
+    return GEOGRAPHIC if can_be and max(elevation.spacing) < FINEST_METRES else PLANE
 
 
 def require_posts(path: Path, rows: int, columns: int) -> None:

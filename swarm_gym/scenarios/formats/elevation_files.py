@@ -18,7 +18,7 @@ import numpy as np
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.formats import esri_grid
 from swarm_gym.scenarios.formats.data_files import open_file
-from swarm_gym.scenarios.formats.elevation import Elevation, require_posts
+from swarm_gym.scenarios.formats.elevation import Elevation, guessed_kind, require_posts
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE, kind_of_system
 
 SIDES = (1201, 3601)  # of 3 and 1 seconds of arc
@@ -74,11 +74,13 @@ def read_geotiff(path: Path) -> Elevation:
         raise MissingExtraError(f"map {path}", "rasterio", "terrain") from error
     try:
         with open_file(path), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a file without a place is refused below
+            # A file without a place is refused below.
+            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)
             with rasterio.open(path, driver="GTiff") as file:
                 return _content_of_geotiff(path, file)
     except (OSError, rasterio.errors.RasterioError) as error:
-        raise ScenarioError(f"{path}: cannot be read as GeoTIFF: {' '.join(str(error).split())}") from error
+        reason = " ".join(str(error.__cause__ or error).split())  # rasterio names the cause in another one
+        raise ScenarioError(f"{path}: cannot be read as GeoTIFF: {reason}; is the file whole?") from error
 
 
 def _content_of_geotiff(path: Path, file: Any) -> Elevation:
@@ -107,10 +109,10 @@ def _content_of_geotiff(path: Path, file: Any) -> Elevation:
     values = heights.filled(np.nan)
     values[~np.isfinite(values)] = np.nan
     system = None if file.crs is None else file.crs.to_wkt()
-    kind = PLANE if system is None else kind_of_system(str(path), system)
     west, north = place.c + place.a / 2.0, place.f + place.e / 2.0
     south = north + place.e * (file.height - 1)
-    return Elevation(path, values[::-1], (west, south), (place.a, -place.e), kind, system)
+    found = Elevation(path, values[::-1], (west, south), (place.a, -place.e), PLANE, system)
+    return found._replace(kind=kind_of_system(str(path), system) if system else guessed_kind(found))
 
 
 READERS: dict[str, Callable[[Path], Elevation]] = {  # endings in any case

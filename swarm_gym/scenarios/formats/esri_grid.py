@@ -1,8 +1,7 @@
 """ESRI ASCII grids: a head with the place of the cells, then heights row by row from north to south.
 
 Source: "Esri ASCII raster format" in the documentation of ArcGIS. Heights are at the centres of cells. The
-file `.prj` of the same name has the coordinate reference system. Without one, coordinates are degrees if they
-can be, and a cell is smaller than `FINEST_METRES`.
+file `.prj` of the same name has the coordinate reference system.
 """
 
 import re
@@ -13,8 +12,8 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.formats.data_files import open_file
-from swarm_gym.scenarios.formats.elevation import MAX_FILE, Elevation, Floats, require_posts
-from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE, kind_of_system
+from swarm_gym.scenarios.formats.elevation import MAX_FILE, Elevation, Floats, guessed_kind, require_posts
+from swarm_gym.scenarios.formats.geographic import PLANE, kind_of_system
 
 KEYS = (
     "ncols",
@@ -29,7 +28,6 @@ KEYS = (
     "nodata_value",
 )
 NO_DATA = -9999.0  # where the head does not say it
-FINEST_METRES = 0.05  # cells that are smaller are degrees
 MAX_PRJ = 2**16  # bytes
 
 
@@ -63,10 +61,8 @@ def read(path: Path) -> Elevation:
     heights[heights == head.get("nodata_value", NO_DATA)] = np.nan
     heights[~np.isfinite(heights)] = np.nan
     system = _system(path)
-    far = max(abs(x), abs(x + dx * columns)) <= 180.0 and max(abs(y), abs(y + dy * rows)) <= 90.0
-    guessed = GEOGRAPHIC if far and max(dx, dy) < FINEST_METRES else PLANE
-    kind = guessed if system is None else kind_of_system(str(path), system)
-    return Elevation(path, heights.reshape(rows, columns)[::-1], (x, y), (dx, dy), kind, system)
+    found = Elevation(path, heights.reshape(rows, columns)[::-1], (x, y), (dx, dy), PLANE, system)
+    return found._replace(kind=kind_of_system(str(path), system) if system else guessed_kind(found))
 
 
 def _split(path: Path, content: bytes) -> tuple[dict[str, float], bytes]:

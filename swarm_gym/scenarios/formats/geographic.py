@@ -1,5 +1,6 @@
 """Longitude and latitude: a local projection to metres, and which files have such coordinates."""
 
+import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -21,6 +22,8 @@ COORDINATES = (PLANE, GEOGRAPHIC)
 # changes lengths by at most 2.1e-5 of them.
 WIDEST = 100_000.0
 FINEST = 3  # decimals that coordinates in metres seldom exceed
+MOST_STRETCH = 0.02  # of a length: more than UTM or national systems have
+SAME_PLACE = 1.0  # metres between places that count as the same
 
 # Codes of EPSG for longitude and latitude: WGS 84 and its three-dimensional form, ETRS89, and the systems of
 # North America, Canada, Australia (two), New Zealand, Japan, China and South America. Their ellipsoids differ
@@ -105,6 +108,71 @@ def kind_of_system(where: str, system: str) -> str:
     return PLANE
 
 
+def require_true_lengths(where: str, system: PlaneSystem, ends: Floats) -> None:
+    """Raise an error unless metres of a system are metres on the ground, around start and goal.
+
+    Args:
+        where: name of the map, for messages.
+        system: the system.
+        ends: (2, 2) start and goal in it.
+
+    Raises:
+        ScenarioError: if a length differs by more than `MOST_STRETCH` of it, as in EPSG:3857.
+    """
+    import pyproj
+
+    reach = math.dist(*ends.tolist())
+    globe = pyproj.Geod(ellps="WGS84")
+    for begin in ends:
+        for step in ((reach, 0.0), (0.0, reach)):
+            (x, y), (to_x, to_y) = system.to_degrees(np.array([begin, begin + step])).tolist()
+            true = globe.inv(x, y, to_x, to_y)[2]
+            if not abs(reach - true) <= MOST_STRETCH * true:  # also for NaN and infinity
+                raise ScenarioError(
+                    f"{where}: {reach:.0f} metres of its reference system are {true:.0f} metres on the "
+                    f"ground near {x:.5f}, {y:.5f}, expected the same; warp the file first, for example to "
+                    "UTM"
+                )
+
+
+def require_same_system(where: str, named: str | None, kind: str, metres: str | None, places: Floats) -> None:
+    """Raise an error unless a file has the coordinates of start and goal.
+
+    Args:
+        where: name of the file, for messages.
+        named: the reference system that the file names, see `system_named`; None if it names none.
+        kind: kind of the coordinates of start and goal.
+        metres: reference system of coordinates in metres, as text that pyproj reads; None without one.
+        places: (k, 2) coordinates in the file.
+
+    Raises:
+        ScenarioError: if the file names another system, in which the same numbers are other places.
+        MissingExtraError: if pyproj is missing.
+    """
+    if named is None or not len(places):
+        return
+    expected = GEOGRAPHIC
+    same = _kind_of(named) == kind
+    if same and kind == PLANE and metres is not None:
+        try:
+            import pyproj
+
+            expected = pyproj.CRS.from_user_input(metres).name
+            moved = pyproj.Transformer.from_crs(named, metres, always_xy=True).transform(*places.T)
+        except ImportError as error:
+            raise MissingExtraError(f"{where}: a coordinate reference system", "pyproj", "terrain") from error
+        except pyproj.exceptions.ProjError as error:
+            raise ScenarioError(f"{where}: unknown coordinate reference system {shown(named)}") from error
+        same = bool((np.abs(np.stack(moved, axis=-1) - places) <= SAME_PLACE).all())
+    elif kind == PLANE:
+        expected = "metres of the map"
+    if not same:
+        raise ScenarioError(
+            f"{where}: the file names the coordinate reference system {shown(named)}, expected that of start "
+            f"and goal, {expected}; convert the file first, for example with ogr2ogr"
+        )
+
+
 def projection_for(where: str, points: Floats) -> Projection:
     """Return a projection around the middle of points.
 
@@ -153,8 +221,8 @@ def require_coordinates(name: object) -> None:
         raise SettingError(f"coordinates must be one of {', '.join(COORDINATES)}, got {shown(name)}")
 
 
-def named_by(where: str, reference: object) -> str | None:
-    """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
+def system_named(where: str, reference: object) -> str | None:
+    """Return the reference system that the member "crs" of a file names, such as EPSG:4326; None without one.
 
     Its form follows the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.
 
@@ -170,15 +238,31 @@ def named_by(where: str, reference: object) -> str | None:
             f"{where}: expected a member 'crs' with properties that have a name, such as EPSG:4326, "
             f"got {shown(reference)}"
         )
-    found = _EPSG.search(name)
-    code = found[1] if found else ""
-    if code in WEB_MERCATOR:
+    if found := _EPSG.search(name):
+        return f"EPSG:{found[1]}"
+    return "OGC:CRS84" if _CRS84.search(name) else name
+
+
+def named_by(where: str, reference: object) -> str | None:
+    """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
+
+    Raises:
+        ScenarioError: if the member is malformed.
+    """
+    system = system_named(where, reference)
+    if system is not None and system.removeprefix("EPSG:") in WEB_MERCATOR:
         warnings.warn(
-            f"{where}: lengths in EPSG:{code} are no metres, but longer by 1 / cos(latitude), so radius and "
+            f"{where}: lengths in {system} are no metres, but longer by 1 / cos(latitude), so radius and "
             "clearance must be, too; convert the file to longitude and latitude or to UTM",
             stacklevel=2,
         )
-    return GEOGRAPHIC if _CRS84.search(name) or code in GEOGRAPHIC_CODES else PLANE
+    return None if system is None else _kind_of(system)
+
+
+def _kind_of(named: str) -> str:
+    """Return the kind of the coordinates of a system that `system_named` returns."""
+    degrees = named == "OGC:CRS84" or named.removeprefix("EPSG:") in GEOGRAPHIC_CODES
+    return GEOGRAPHIC if degrees else PLANE
 
 
 def look_geographic(points: Floats) -> bool:

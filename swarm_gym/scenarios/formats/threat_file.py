@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.formats.data_files import open_file
-from swarm_gym.scenarios.formats.geographic import named_by
+from swarm_gym.scenarios.formats.geographic import system_named
 
 MAX_FILE = 2**24  # bytes
 MAX_SIZE = 1e6  # of a radius or height, in metres
@@ -40,10 +40,10 @@ class Threat(NamedTuple):
 
 
 class Threats(NamedTuple):
-    """The content of a file: threats, and the kind of coordinates that it names; None if it names none."""
+    """The content of a file: threats, and the reference system that it names; None if it names none."""
 
     threats: tuple[Threat, ...]
-    kind: str | None
+    system: str | None
 
 
 def read_threats(path: Path) -> Threats:
@@ -70,7 +70,7 @@ def read_threats(path: Path) -> Threats:
             f"{path}: expected a FeatureCollection of GeoJSON with features, got {shown(found)}"
         )
     threats = tuple(_threat(f"{path}: feature {number}", one) for number, one in enumerate(features))
-    return Threats(threats, named_by(str(path), found.get("crs")))
+    return Threats(threats, system_named(str(path), found.get("crs")))
 
 
 def _threat(name: str, feature: Any) -> Threat:

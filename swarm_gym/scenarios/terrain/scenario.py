@@ -18,12 +18,27 @@ Point3 = tuple[float, float, float]
 MIN_SIDE, MAX_SIDE = 2, 8192
 # Limits of the distance between neighbouring heights, in metres.
 MIN_CELL, MAX_CELL = 1e-3, 1e6
+MIN_ANGLE = 1e-6  # smallest limit of turn or climb, in degrees
 # Largest height above or below zero, in metres.
 MAX_HEIGHT = 1e5
 # Light of pictures, from the north-west, 45 degrees above the horizon, as cartographers have it.
 LIGHT = (-0.5, 0.5, math.sqrt(0.5))
 # Columns of threats.
 X, Y, TOP, RADIUS = range(4)
+
+
+class EndError(ScenarioError):
+    """A start or a goal that cannot be.
+
+    Attributes:
+        role: "start" or "goal".
+        fault: words on what is wrong with it, which follow its coordinates in the message.
+        in_threat: whether it lies in a threat.
+    """
+
+    def __init__(self, where: str, role: str, point: Point3, fault: str, in_threat: bool = False):
+        super().__init__(f"{where}: {role} {point} {fault}")
+        self.role, self.fault, self.in_threat = role, fault, in_threat
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +59,8 @@ class TerrainScenario:
         origin: (x, y) of `heights[0, 0]` in map coordinates.
         threats: (k, 4) x, y, top and radius of each cylinder; a read-only copy is kept.
         band: lowest and highest altitude above ground that is allowed.
-        largest_turn: largest turn at a waypoint, seen from above, in degrees, in (0, 180].
-        largest_climb: largest angle of a climb or descent, in degrees, in (0, 90].
+        largest_turn: largest turn at a waypoint, seen from above, in degrees, at most 180.
+        largest_climb: largest angle of a climb or descent, in degrees, at most 90.
         drone_size: distance from a cylinder that counts as contact, since the drone has a size.
         danger_distance: width of the zone around it in which a flight is not blocked, but costs.
 
@@ -71,8 +86,8 @@ class TerrainScenario:
         self._set("origin", require_numbers(self._where, "origin", self.origin, 2))
         for name, low, high in (
             ("cell", MIN_CELL, MAX_CELL),
-            ("largest_turn", math.nextafter(0.0, 1.0), 180.0),
-            ("largest_climb", math.nextafter(0.0, 1.0), 90.0),
+            ("largest_turn", MIN_ANGLE, 180.0),
+            ("largest_climb", MIN_ANGLE, 90.0),
             ("drone_size", 0.0, MAX_HEIGHT),
             ("danger_distance", 0.0, MAX_HEIGHT),
         ):
@@ -230,19 +245,17 @@ class TerrainScenario:
             )
         lowest, highest = self.band
         if not lowest <= above <= highest:
-            raise ScenarioError(
-                f"{self._where}: {role} {point} is {above} metres above ground, expected the altitude band, "
-                f"{lowest} to {highest}"
-            )
+            fault = f"is {above} metres above ground, expected the altitude band, {lowest} to {highest}"
+            raise EndError(self._where, role, point, fault)
         altitude = float(self.ground((x, y))) + above
         for number, (threat_x, threat_y, top, radius) in enumerate(self.threats.tolist()):
             distance = math.hypot(x - threat_x, y - threat_y)
             if distance < radius + self.drone_size and altitude < top + self.drone_size:
-                raise ScenarioError(
-                    f"{self._where}: {role} {point} lies inside threat {number} at ({threat_x}, {threat_y}), "
-                    f"{distance:.1f} metres from its centre; expected at least its radius {radius} plus the "
-                    f"size of the drone, {self.drone_size}"
+                fault = (
+                    f"lies inside threat {number}, {distance:.1f} metres from its centre; expected at least "
+                    f"its radius {radius} plus the size of the drone, {self.drone_size}"
                 )
+                raise EndError(self._where, role, point, fault, in_threat=True)
 
 
 def hill_shade(scenario: TerrainScenario, most: int = 512) -> NDArray[np.float64]:

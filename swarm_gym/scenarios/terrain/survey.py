@@ -1,12 +1,12 @@
 """Flights over real ground: an elevation model, threats, a start and a goal as a task in metres.
 
-An elevation model in metres keeps its posts, if they are as far apart to the east as to the north. One in
-degrees is sampled on a grid of metres around start and goal. This grid is twice as fine as its posts where
-that is not too much.
+An elevation model in metres keeps its posts, if they are as far apart to the east as to the north. Any other
+is sampled on a grid of metres around start and goal. This grid is twice as fine as the posts where that is
+not too much. Swarms look for routes over it, and `Survey.ground` has the ground of the file.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,9 +23,10 @@ from swarm_gym.scenarios.formats.geographic import (
     Projection,
     projection_for,
     require_coordinates,
+    require_true_lengths,
 )
-from swarm_gym.scenarios.formats.threat_file import Threat, Threats, read_threats
-from swarm_gym.scenarios.terrain.scenario import Point3, TerrainScenario
+from swarm_gym.scenarios.terrain.placed_threats import cylinders_of
+from swarm_gym.scenarios.terrain.scenario import EndError, Point3, TerrainScenario
 
 Floats = NDArray[np.float64]
 
@@ -33,6 +34,7 @@ REACH = 0.5  # of the straight line, around start and goal: ground that the task
 LEAST_REACH = 500.0  # in metres
 FINER = 2  # nodes between posts that are in degrees
 MANY = 4096  # nodes of a side, beyond which they are as far apart as posts
+LOWEST, HIGHEST = -500.0, 9000.0  # of land, in metres; files have values such as -9999 for no data
 
 
 @dataclass(frozen=True)
@@ -62,12 +64,32 @@ class Survey:
         """Return points (n, 2) of the scenario as longitude and latitude; None without a place on earth."""
         return None if self.system is None else self.system.to_degrees(points)
 
-    def file_ground(self, points: Floats) -> Floats:
-        """Return the heights of the file, (n,), at points (n, 2); without a file, the heights of the task."""
-        if self.elevation is None:
+    @property
+    def is_resampled(self) -> bool:
+        """True if the heights of the scenario were sampled from those of the file between its posts."""
+        return self.elevation is not None and _as_posts(self.elevation) is None
+
+    def ground(self, points: Floats) -> Floats:
+        """Return the heights of the ground, (n,), at points (n, 2) of the scenario: those of the file.
+
+        They are NaN off the file, or next to its gaps. Without a file the scenario has them.
+        """
+        if self.elevation is None or not self.is_resampled:
             return self.scenario.ground(points)
-        degrees = self.elevation.kind == GEOGRAPHIC and self.system is not None
-        return self.elevation.at(self.system.to_degrees(points) if degrees and self.system else points)
+        return self.elevation.at(self._in_file(points))
+
+    def places_in_file(self, points: Floats) -> Floats:
+        """Return points (n, 2) of the scenario as columns and rows of the file's posts, (n, 2)."""
+        assert self.elevation is not None
+        return (self._in_file(points) - self.elevation.origin) / self.elevation.spacing
+
+    def _in_file(self, points: Floats) -> Floats:
+        """Return points (n, 2) of the scenario in the coordinates of the file."""
+        assert self.elevation is not None
+        if self.elevation.kind == PLANE:
+            return points
+        assert self.system is not None
+        return self.system.to_degrees(points)
 
 
 def survey(
@@ -114,36 +136,38 @@ def survey(
     for role, end in (("start", start), ("goal", goal)):
         if len(end) != 3 or not all(map(math.isfinite, end)):
             raise ScenarioError(f"{path}: {role} must be x, y and height above ground, got {shown(end)}")
-    found = Threats((), None) if threats is None else read_threats(threats)
-    if found.kind not in (None, kind):
+    if tuple(start[:2]) == tuple(goal[:2]):
         raise ScenarioError(
-            f"{threats}: the file names coordinates {found.kind!r}, and start and goal are in {kind!r}; "
-            "expected "
-            "the same"
+            f"{path}: start and goal must be different points of the map, got {_words(start)} and "
+            f"{_words(goal)}"
         )
     ends = np.array([start[:2], goal[:2]])
     system = _system_for(path, elevation, kind, ends)
     where = ends if kind == PLANE or system is None else system.to_metres(ends)
-    heights, origin, cell = _ground(path, elevation, system, where, (start, goal))
-    places = np.array([one.place for one in found.threats]).reshape(-1, 2)
-    if kind == GEOGRAPHIC and system is not None and len(places):
-        _require_degrees(found.threats)
-        places = system.to_metres(places)
+    heights, origin, cell = _ground(path, elevation, system, where, (start, goal), kind)
+    if isinstance(system, PlaneSystem):
+        require_true_lengths(str(path), system, where)
+    cylinders = np.empty((0, 4)) if threats is None else cylinders_of(threats, kind, elevation, system)
     (x, y), (goal_x, goal_y) = where.tolist()
-    bare = TerrainScenario(
-        name or path.stem,
-        heights,
-        (x, y, start[2]),
-        (goal_x, goal_y, goal[2]),
-        cell,
-        origin,
-        _cylinders(found.threats, places, heights, origin, cell),
-        altitude,
-        largest_turn,
-        largest_climb,
-        drone_size,
-        danger_distance,
-    )
+    try:
+        bare = TerrainScenario(
+            name or path.stem,
+            heights,
+            (x, y, start[2]),
+            (goal_x, goal_y, goal[2]),
+            cell,
+            origin,
+            cylinders,
+            altitude,
+            largest_turn,
+            largest_climb,
+            drone_size,
+            danger_distance,
+        )
+    except EndError as error:  # in the coordinates that the user gave
+        end = {"start": start, "goal": goal}[error.role]
+        file = threats if error.in_threat else path  # that has what is in the way
+        raise ScenarioError(f"{file}: {error.role} {_words(end)} {error.fault}") from error
     return Survey(bare, elevation, system, kind)
 
 
@@ -167,8 +191,12 @@ def _ground(
     system: Projection | PlaneSystem | None,
     ends: Floats,
     given: Sequence[Point3],
+    user: str,
 ) -> tuple[Floats, tuple[float, float], float]:
-    """Return heights around start and goal, the coordinates of the first one, and their distance."""
+    """Return heights around start and goal, the coordinates of the first one, and their distance.
+
+    Messages name places in the kind of coordinates that the user gives.
+    """
     reach = max(REACH * math.dist(*ends.tolist()), LEAST_REACH)
     low, high = ends.min(axis=0) - reach, ends.max(axis=0) + reach
     posts = _as_posts(elevation)
@@ -195,16 +223,38 @@ def _ground(
         degrees = nodes if elevation.kind == PLANE or system is None else system.to_degrees(nodes)
         heights = elevation.at(degrees).reshape(counts[1], counts[0])
         start = low
-    gaps = np.isnan(heights)
-    if gaps.any():
-        row, column = np.argwhere(gaps)[0].tolist()
-        place = start + spacing * np.array([column, row])
-        raise ScenarioError(
-            f"{path}: {int(gaps.sum())} of {gaps.size} cells around start and goal have no data, one at x "
-            f"= {place[0]:g}, y = {place[1]:g}; fill the gaps, for example with gdal_fillnodata"
-        )
+    _require_heights(path, heights, start, spacing, system if user == GEOGRAPHIC else None)
     x, y = start.tolist()
     return heights, (x, y), float(spacing)
+
+
+def _require_heights(
+    path: Path, heights: Floats, first: Floats, spacing: float, system: Projection | PlaneSystem | None
+) -> None:
+    """Raise a ScenarioError for gaps and for heights of no land; it names a place, in degrees by a system."""
+    gaps, odd = np.isnan(heights), (heights < LOWEST) | (heights > HIGHEST)
+    wrong = gaps if gaps.any() else odd
+    if not wrong.any():
+        return
+    row, column = np.argwhere(wrong)[0].tolist()
+    place = first + spacing * np.array([[column, row]])
+    place = place if system is None else system.to_degrees(place)
+    where = f"{path}: {int(wrong.sum())} of {wrong.size} cells around start and goal"
+    if gaps.any():
+        raise ScenarioError(
+            f"{where} have no data, one at {_words(place[0])}; fill the gaps, for example with "
+            "gdal_fillnodata"
+        )
+    raise ScenarioError(
+        f"{where} have heights that no land has, {heights[row, column]:g} metres at {_words(place[0])}, "
+        f"expected {LOWEST:g} to {HIGHEST:g}; if it stands for no data, say so in the file, for example with "
+        "gdal_edit -a_nodata"
+    )
+
+
+def _words(point: Iterable[float]) -> str:
+    """Return numbers of a point as they may be given: 7.404, 46.525, 150."""
+    return ", ".join(f"{number:.10g}" for number in point)
 
 
 def _as_posts(elevation: Elevation) -> Elevation | None:
@@ -248,30 +298,3 @@ def _require_inside(
                 f"{path}: {role} {user[0]:.10g}, {user[1]:.10g} lies outside the map, which reaches from "
                 f"{x_min:.10g}, {y_min:.10g} to {x_max:.10g}, {y_max:.10g} ({elevation.kind}); {hint}"
             )
-
-
-def _require_degrees(threats: Sequence[Threat]) -> None:
-    for threat in threats:
-        x, y = threat.place
-        if abs(x) > 180.0 or abs(y) > 90.0:
-            raise ScenarioError(
-                f"{threat.name}: expected longitude in [-180, 180] and latitude in [-90, 90], as start and "
-                f"goal, got {x:g}, {y:g}; is it in another system?"
-            )
-
-
-def _cylinders(
-    threats: Sequence[Threat], places: Floats, heights: Floats, origin: tuple[float, float], cell: float
-) -> Floats:
-    """Return x, y, top above sea level and radius of each threat."""
-    model = Elevation(Path(), heights, origin, (cell, cell))
-    x_min, y_min, x_max, y_max = model.box
-    cylinders = np.empty((len(threats), 4))
-    for number, (threat, (x, y)) in enumerate(zip(threats, places.tolist(), strict=True)):
-        top = threat.top
-        if top is None:
-            assert threat.height is not None
-            nearest = np.array([[min(max(x, x_min), x_max), min(max(y, y_min), y_max)]])
-            top = threat.height + float(model.at(nearest)[0])
-        cylinders[number] = x, y, top, threat.radius
-    return cylinders

@@ -40,7 +40,7 @@ def test_a_flight_over_a_route_has_no_fault(seed):
     along = np.sort(rng.random(4))[:, None]
     route = np.vstack([start, start + along * (goal - start) + 15.0 * rng.normal(size=(4, 2)), goal])
     scenario = rough(seed, largest_turn=180.0)
-    flight = flown(scenario, route)
+    flight = flown(Survey(scenario), route)
     assert flight is not None
     assert faults(scenario, flight.tolist()) == []
 
@@ -49,7 +49,7 @@ def test_no_flight_in_the_band_is_shorter():
     scenario = rough(3, band=(20.0, 60.0), start=(15.0, 25.0, 40.0), goal=(560.0, 549.0, 40.0))
     from swarm_gym.planning.flights import profile
 
-    track = ground_track(scenario, straight(scenario))
+    track = ground_track(Survey(scenario), straight(scenario))
     low, high = profile._channel(scenario, track)
     places, heights = profile._taut(track.along, low, high)
     z = np.interp(track.along, track.along[places], heights)
@@ -71,12 +71,12 @@ def test_no_flight_in_the_band_is_shorter():
 def test_a_flight_passes_over_a_threat_with_a_top_and_not_through_one_without():
     low = ((300.0, 300.0, 150.0, 60.0),)
     scenario = rough(1, threats=low)
-    flight = flown(scenario, straight(scenario))
+    flight = flown(Survey(scenario), straight(scenario))
     assert flight is not None
     assert faults(scenario, flight.tolist()) == []
     assert measured(Survey(scenario), flight).passed[0].distance < 0.0
-    assert flown(rough(1, threats=((300.0, 300.0, math.inf, 60.0),)), straight(scenario)) is None
-    assert flown(rough(1, threats=((300.0, 300.0, 500.0, 60.0),)), straight(scenario)) is None
+    assert flown(Survey(rough(1, threats=((300.0, 300.0, math.inf, 60.0),))), straight(scenario)) is None
+    assert flown(Survey(rough(1, threats=((300.0, 300.0, 500.0, 60.0),))), straight(scenario)) is None
 
 
 @pytest.mark.parametrize(
@@ -89,13 +89,13 @@ def test_a_flight_passes_over_a_threat_with_a_top_and_not_through_one_without():
     ],
 )
 def test_what_cannot_be_flown_is_known(options, route):
-    assert flown(rough(2, **options), np.array(route, dtype=float)) is None
-    assert flown(rough(2), np.array([(15.0, 25.0), (580.0, 569.0)])) is not None
+    assert flown(Survey(rough(2, **options)), np.array(route, dtype=float)) is None
+    assert flown(Survey(rough(2)), np.array([(15.0, 25.0), (580.0, 569.0)])) is not None
 
 
 def test_measures_are_those_of_dense_points():
     scenario = rough(4, threats=((200.0, 400.0, math.inf, 30.0), (400.0, 420.0, math.inf, 10.0)))
-    flight = flown(scenario, straight(scenario))
+    flight = flown(Survey(scenario), straight(scenario))
     found = measured(Survey(scenario), flight)
     shares = np.linspace(0.0, 1.0, 4000)[:, None]
     dense = np.vstack([begin + (end - begin) * shares for begin, end in pairwise(flight)])

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 
 from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
-from oracles.flown_terrain import faults
+from oracles.flown_terrain import bilinear, faults, ground_in_degrees
 from swarm_gym import plan_flight
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
-from swarm_gym.planning.flights import search
+from swarm_gym.planning.flights import planner, search
 from swarm_gym.planning.flights.writing import FORMATS, as_mission, write_flight
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.scenarios.formats.elevation_files import read_elevation
 
 pytest.importorskip("pyproj", reason="needs the extra `terrain`")
 
@@ -105,13 +106,87 @@ def test_a_real_elevation_model_is_flown_over(tmp_path, small):
     start, goal = (-84.33, 36.53, 80.0), (-84.13, 36.66, 80.0)
     limits = {"altitude": (40.0, 120.0), "largest_climb": 20.0, "threats": threats}
     found = plan_flight(path, start, goal, optimizer="firefly", max_evaluations=500, **limits)
-    assert faults(found.map, found.waypoints.tolist()) == []
+    ground = ground_in_degrees(read_elevation(path), -84.23, 36.595)
+    assert faults(found.map, found.waypoints.tolist(), 1e-3, ground) == []
     assert found.map.straight_line < found.length < 1.2 * found.map.straight_line
-    # The ground of the task is sampled from that of the file, and cuts its posts off by some metres.
-    assert found.least_height > 35.0
+    assert 40.0 <= found.least_height <= found.greatest_height <= 120.0
     write_flight(found, tmp_path / "f.plan")
     items = json.loads((tmp_path / "f.plan").read_text())["mission"]["items"]
     assert items[-1]["params"][4:6] == pytest.approx([36.66, -84.13])
+
+
+def stripes(folder, cell=30.0):
+    """Write an elevation model whose posts are closer to the south than to the east: walls of one post."""
+    rasterio = pytest.importorskip("rasterio", reason="needs the extra `terrain`")
+    heights = np.full((80, 60), 300.0)
+    heights[7::9], heights[:, 11::13] = 330.0, 345.0
+    place = rasterio.transform.from_origin(500_000.0, 5_200_000.0, 1.4 * cell, cell)
+    shape = {"height": 80, "width": 60, "count": 1, "dtype": "float64", "crs": "EPSG:32632"}
+    path = folder / "stripes.tif"
+    with rasterio.open(path, "w", driver="GTiff", transform=place, **shape) as file:
+        file.write(heights, 1)
+    return path
+
+
+def test_flights_stay_in_the_band_over_posts_that_are_not_square(tmp_path):
+    path = stripes(tmp_path)
+    start, goal = (500_130.0, 5_198_000.0, 12.0), (502_100.0, 5_199_800.0, 12.0)
+    found = plan_flight(path, start, goal, altitude=(10.0, 16.0), largest_climb=80.0)
+    posts = read_elevation(path)
+
+    def ground(x, y):
+        (first, south), (dx, dy) = posts.origin, posts.spacing
+        return bilinear(posts.heights, (x - first) / dx, (y - south) / dy)
+
+    assert faults(found.map, found.waypoints.tolist(), 1e-6, ground) == []
+    assert 10.0 <= found.least_height <= found.greatest_height <= 16.0
+    sampled = [
+        found.map.ground(place) - ground(*place)
+        for place in np.random.default_rng(0).uniform(
+            (500_130.0, 5_198_000.0), (502_100.0, 5_199_800.0), (2000, 2)
+        )
+    ]
+    assert max(np.abs(sampled)) > 2.0  # the ground of the swarms would not have done
+
+
+def test_heights_in_degrees_are_those_of_dense_points_over_the_file(tmp_path):
+    rng = np.random.default_rng(5)
+    heights = np.rint(300.0 + 25.0 * rng.random((60, 60)))
+    path = write_asc(tmp_path / "a.asc", heights, 0.0005, (7.0, 46.0))
+    start, goal = (7.003, 46.004, 40.0), (7.027, 46.021, 40.0)
+    found = plan_flight(path, start, goal, altitude=(30.0, 60.0), largest_climb=70.0)
+    ground = ground_in_degrees(read_elevation(path), 7.015, 46.0125)
+    assert faults(found.map, found.waypoints.tolist(), 1e-3, ground) == []
+    shares = np.linspace(0.0, 1.0, 1500)[:, None]
+    legs = zip(found.waypoints[:-1], found.waypoints[1:], strict=True)
+    dense = np.vstack([begin + (end - begin) * shares for begin, end in legs])
+    above = [z - ground(x, y) for x, y, z in dense.tolist()]
+    assert found.least_height == pytest.approx(min(above), abs=1e-2)
+    assert found.greatest_height == pytest.approx(max(above), abs=1e-2)
+    assert found.least_height <= min(above) + 1e-4
+    assert found.greatest_height >= max(above) - 1e-4
+
+
+def test_limits_take_the_place_of_those_of_a_scenario():
+    scenario = make_scenario("terrain:train:0")
+    limits = {"altitude": (90.0, 210.0), "largest_climb": 80.0, "largest_turn": 60.0, "drone_size": 2.0}
+    found = plan_flight(scenario, max_evaluations=1, **limits)
+    of_map = found.map.band, found.map.largest_climb, found.map.largest_turn, found.map.drone_size
+    assert of_map == tuple(limits.values())
+    assert found.map.danger_distance == scenario.danger_distance
+    with pytest.raises(ScenarioError, match=r"start .* expected the altitude band, 10"):
+        plan_flight(scenario, altitude=(10.0, 20.0))
+    with pytest.raises(ScenarioError, match="a scenario has its own coordinates; leave it out"):
+        plan_flight(scenario, coordinates="plane")
+
+
+def test_ctrl_c_before_a_flight_is_no_lack_of_budget(grid, small, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(search.FlightSearch, "_run", stopped)
+    with pytest.raises(NoPathError, match=r"stopped by Ctrl-C after .* before a flight over 'a' was found"):
+        plan_flight(grid[0], START, GOAL, threats=grid[1])
 
 
 def test_where_the_line_is_free_no_swarm_is_needed(grid):
@@ -346,6 +421,11 @@ def test_the_command_reports_and_writes(grid, small, tmp_path, capsys):
         (["--start", "1500,2500,20"], 2, "error: .*expected the altitude band"),
         (["--altitude", "200..100"], 2, "error: .*lowest < highest"),
         (["--threats", "none.geojson"], 2, "error: no file none.geojson"),
+        (
+            ["--output", "f.csv", "--output", "f.kml"],
+            2,
+            r"error: output 'f.kml': .*a.asc names no coordinate",
+        ),
         (["--output", "f.doc"], 2, "the name must end with .csv, .geojson, .kml, .plan, .png, .html"),
         (
             ["--max-climb", "0.1", "--budget", "600", "--optimizer", "firefly"],
@@ -362,6 +442,26 @@ def test_the_command_ends_with_a_status(grid, small, capsys, more, status, messa
         ended = error.code
     assert ended == status
     assert re.search(message, capsys.readouterr().err)
+
+
+def test_a_warning_is_a_line(tmp_path, capsys):
+    rasterio = pytest.importorskip("rasterio", reason="needs the extra `terrain`")
+    place = rasterio.transform.from_origin(500_000.0, 5_200_000.0, 50.0, 50.0)
+    shape = {"height": 61, "width": 81, "count": 2, "dtype": "float64", "crs": "EPSG:32632"}
+    with rasterio.open(tmp_path / "two.tif", "w", driver="GTiff", transform=place, **shape) as file:
+        file.write(np.stack([hill(), hill()]))
+    ends = ["--start", "500500,5198500,150", "--goal", "503500,5198500,150"]
+    assert main(["--map", str(tmp_path / "two.tif"), *ends]) == 0
+    assert re.fullmatch(r"warning: .*two\.tif: 2 bands, of which .*\n", capsys.readouterr().err)
+
+
+def test_ctrl_c_while_a_map_is_read_is_a_line(grid, capsys, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(planner, "survey", stopped)
+    assert main(command(grid)) == 130
+    assert capsys.readouterr().err == "interrupted before a flight was planned or written\n"
 
 
 def test_help_is_that_of_flights_over_an_elevation_model(capsys):

@@ -61,8 +61,10 @@ def write_tif(path, heights, **options):
     given = {"crs": "EPSG:32632", "transform": from_origin(500_000, 5_200_000, 30, 30), "nodata": -9999.0}
     given |= {"dtype": "float32", **options}
     rows, columns = heights.shape
-    with rasterio.open(path, "w", "GTiff", columns, rows, 1, **given) as file:
-        file.write(heights[::-1].astype(given["dtype"]), 1)
+    bands = given.pop("bands", 1)
+    with rasterio.open(path, "w", "GTiff", columns, rows, bands, **given) as file:
+        for band in range(1, bands + 1):
+            file.write(heights[::-1].astype(given["dtype"]), band)
         if "units" in options:
             file.units = [options["units"]]
     return path
@@ -90,6 +92,14 @@ def test_a_geotiff_in_degrees_is_known_as_such(tmp_path):
     )
     assert found.kind == GEOGRAPHIC
     assert found.box[3] == pytest.approx(46.9995)
+    without = write_tif(tmp_path / "b.tiff", hill(), crs=None, transform=place, dtype="int16")
+    assert read_elevation(without).kind == GEOGRAPHIC
+
+
+def test_the_first_of_several_bands_counts_with_a_warning(tmp_path):
+    with pytest.warns(UserWarning, match=r"a\.tif: 3 bands, of which the first is read as heights"):
+        found = read_elevation(write_tif(tmp_path / "a.tif", hill(), bands=3))
+    assert np.array_equal(found.heights, hill())
 
 
 @pytest.mark.parametrize(

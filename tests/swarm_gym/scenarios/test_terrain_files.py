@@ -100,14 +100,15 @@ def test_a_name_stands_for_all_of_a_task(tmp_path, monkeypatch):
         ({"altitude": (200.0, 100.0)}, "lowest < highest"),
         ({"largest_turn": 0.0}, "largest_turn must be a number"),
         ({"coordinates": "longitude-latitude"}, "names no coordinate reference system"),
-        ({"threats": ((1500, 2510, {"radius": 100}),)}, "start (1500.0, 2500.0, 150.0) lies inside threat 0"),
+        ({"threats": ((1500, 2510, {"radius": 100}),)}, "t.geojson: start 1500, 2500, 150 lies inside"),
         ({"threats": ((2000, 3000, {}),)}, "feature 0: a threat without radius; add the property radius"),
         ({"threats": ((2000, 3000, {"radius": 0}),)}, "radius must be positive, in metres, got 0"),
         ({"threats": ((2000, 3000, {"radius": "9"}),)}, "radius must be a number of metres"),
         ({"threats": ((2000, 3000, {"radius": True}),)}, "radius must be a number of metres"),
         ({"threats": ((2000, 3000, {"radius": 9, "height": -1}),)}, "height must be positive"),
         ({"threats": ((2000, 3000, {"radius": 9, "height": 1, "top": 9}),)}, "both height above ground"),
-        ({"gaps": [(30, 40)]}, "cells around start and goal have no data, one at x = 3025, y = 3525"),
+        ({"goal": (*START[:2], 120.0)}, "start and goal must be different points of the map, got 1500, 2500"),
+        ({"gaps": [(30, 40)]}, "cells around start and goal have no data, one at 3025, 3525; fill"),
     ],
 )  # fmt: skip
 def test_a_bad_input_is_refused_by_value(tmp_path, options, message):
@@ -131,10 +132,86 @@ def test_coordinates_of_another_kind_are_refused(tmp_path):
     with pytest.raises(ScenarioError, match=r"feature 0: expected longitude in .*2000, 3000"):
         survey(tile, WEST, EAST, threats=threats)
     threats = write_threats(tmp_path / "t.geojson", (7.44, 46.51, {"radius": 9}), crs="EPSG:32632")
-    with pytest.raises(
-        ScenarioError, match="names coordinates 'plane', and start and goal are in 'longitude-l"
-    ):
+    with pytest.raises(ScenarioError, match=r"'EPSG:32632', expected .* start and goal, longitude-latitude"):
         survey(tile, WEST, EAST, threats=threats)
+
+
+def utm(folder):
+    """Write an elevation model in UTM zone 32N, 500 km to the east and 5150 km to the north of `hill`."""
+    import pyproj
+
+    path = write_asc(folder / "a.asc", hill(), corner=(501_000.0, 5_152_000.0))
+    (folder / "a.prj").write_text(pyproj.CRS("EPSG:32632").to_wkt())
+    return path
+
+
+ON_UTM = (2000.0 + 500_000.0, 3000.0 + 5_150_000.0, {"radius": 9})  # of a map near 9 degrees east
+
+
+@pytest.mark.parametrize(
+    ("threat", "crs", "message"),
+    [
+        (ON_UTM, "EPSG:32633", r"names .*'EPSG:32633', expected .*UTM zone 32N; convert"),
+        (ON_UTM, "urn:ogc:def:crs:EPSG::3857", r"'EPSG:3857', expected .*UTM zone 32N"),
+        (ON_UTM, "EPSG:99999", "unknown coordinate reference system 'EPSG:99999'"),
+        ((9.03, 46.5, {"radius": 9}), "urn:ogc:def:crs:OGC:1.3:CRS84", "'OGC:CRS84', expected .*metres of"),
+        (
+            (9.03, 46.5, {"radius": 9}),
+            None,
+            r"none of its 1 threats touches the map.*at 9.03, 46.5; is it in",
+        ),
+    ],
+)
+def test_threats_in_another_system_than_the_map_are_refused(tmp_path, threat, crs, message):
+    path = utm(tmp_path)
+    start, goal = ((x + 500_000.0, y + 5_150_000.0, z) for x, y, z in (START, GOAL))
+    threats = write_threats(tmp_path / "t.geojson", threat, crs=crs)
+    with pytest.raises(ScenarioError, match=rf"t\.geojson: .*{message}"):
+        survey(path, start, goal, threats=threats)
+
+
+@pytest.mark.parametrize("crs", [None, "EPSG:32632", "urn:ogc:def:crs:EPSG::32632", "EPSG:25832"])
+def test_threats_in_the_system_of_the_map_are_where_they_are(tmp_path, crs):
+    start, goal = ((x + 500_000.0, y + 5_150_000.0, z) for x, y, z in (START, GOAL))
+    far = (9.0, 46.0, {"radius": 9})  # one that is off the map is no fault
+    threats = write_threats(tmp_path / "t.geojson", ON_UTM, far, crs=crs)
+    found = survey(utm(tmp_path), start, goal, threats=threats)
+    assert found.scenario.threats[0, :2].tolist() == [502_000.0, 5_153_000.0]
+    assert len(found.scenario.threats) == 2
+
+
+def test_threats_whose_coordinates_are_swapped_are_refused(tmp_path):
+    threats = write_threats(tmp_path / "t.geojson", (46.51, 7.44, {"radius": 9}))
+    with pytest.raises(ScenarioError, match=r"none of its 1 threats touches the map.*are x and y swapped"):
+        survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+
+
+@pytest.mark.parametrize(("code", "words"), [(3857, r"3000 metres .* are \d+ metres"), (3395, "to UTM")])
+def test_a_map_whose_metres_are_longer_than_metres_is_refused(tmp_path, code, words):
+    import pyproj
+
+    corner = {3857: (820_000.0, 5_860_000.0), 3395: (820_000.0, 5_830_000.0)}[code]
+    path = write_asc(tmp_path / "a.asc", hill(), corner=corner)
+    (tmp_path / "a.prj").write_text(pyproj.CRS.from_epsg(code).to_wkt())
+    (x, y) = corner
+    with pytest.raises(ScenarioError, match=words):
+        survey(path, (x + 500.0, y + 500.0, 150.0), (x + 3500.0, y + 500.0, 150.0))
+
+
+def test_heights_that_stand_for_no_data_are_refused(tmp_path):
+    path = write_asc(tmp_path / "a.asc", hill(), gaps=[(30, 40)])
+    path.write_text(path.read_text().replace("NODATA_value -9999", "NODATA_value -1"))
+    with pytest.raises(ScenarioError, match=r"a\.asc: 1 of .* no land has, -9999 metres at 3025, 3525"):
+        survey(path, START, GOAL)
+
+
+def test_messages_have_the_coordinates_that_were_given(tmp_path):
+    threats = write_threats(tmp_path / "t.geojson", (7.4005, 46.5, {"radius": 99}))
+    with pytest.raises(ScenarioError, match=r"t\.geojson: start 7\.4, 46\.5, 150 lies inside threat 0"):
+        survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+    gap = round(0.505 * 1200), round(0.42 * 1200)  # row and column
+    with pytest.raises(ScenarioError, match=r"have no data, one at 7\.4[12]\d*, 46\.50\d*;"):
+        survey(write_hgt(tmp_path, gap=gap), WEST, EAST)
 
 
 @pytest.mark.parametrize(
