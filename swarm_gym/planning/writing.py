@@ -168,6 +168,19 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
         if path.suffix != ".geojson":
             for number, one in enumerate(_each(plan)[1:], 2):
                 contents[path.with_stem(f"{path.stem}-{number}")] = make(one)
-    for path, content in contents.items():
-        write_atomically(path, content)
+    write_all(contents)
     return list(contents)
+
+
+def write_all(contents: Mapping[Path, str | bytes]) -> None:
+    """Write files, each completely or not at all.
+
+    Raises:
+        OSError: naming the first file that cannot be written; those before it are complete.
+    """
+    for path, content in contents.items():
+        try:
+            write_atomically(path, content)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise OSError(f"output {str(path)!r}: cannot be written: {reason}") from error

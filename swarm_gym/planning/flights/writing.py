@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, SettingError
-from swarm_gym.files import write_atomically
 from swarm_gym.planning.flights.picture import as_page, as_png
 from swarm_gym.planning.flights.result import Flight
-from swarm_gym.planning.writing import checked, format_of
+from swarm_gym.planning.writing import checked, format_of, write_all
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
 from swarm_gym.scenarios.terrain.survey import Survey
@@ -180,9 +179,7 @@ def write_flight(flight: Flight, *paths: Path) -> None:
         OSError: naming the first file that cannot be written; those before it are complete.
     """
     require_places(paths, flight.task)
-    contents = [format_of(path, FORMATS)(flight) for path in paths]
-    for path, content in zip(paths, contents, strict=True):
-        write_atomically(path, content)
+    write_all({path: format_of(path, FORMATS)(flight) for path in paths})
 
 
 def _degrees(flight: Flight) -> Floats:

@@ -4,6 +4,7 @@ import json
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -409,6 +410,9 @@ def test_the_command_reports_and_writes(grid, small, tmp_path, capsys):
     ):
         assert word in printed
     assert output.exists()
+    below = output / "g.csv"
+    assert main(command(grid, "--output", str(below))) == 2
+    assert re.fullmatch(r"error: output '.*g\.csv': cannot be written: .*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(
@@ -442,6 +446,14 @@ def test_the_command_ends_with_a_status(grid, small, capsys, more, status, messa
         ended = error.code
     assert ended == status
     assert re.search(message, capsys.readouterr().err)
+
+
+@pytest.mark.slow
+def test_the_page_shows_what_the_command_prints(capsys):
+    page = (Path(__file__).parents[3] / "docs" / "flights.md").read_text(encoding="utf-8")
+    shown = re.search(r"--map (terrain:test:\d) --budget (\d+)\n```\n\n```\n(.*?)```", page, re.DOTALL)
+    assert main(["--map", shown[1], "--budget", shown[2]]) == 0
+    assert capsys.readouterr().out.startswith(shown[3])
 
 
 def test_a_warning_is_a_line(tmp_path, capsys):
