@@ -5,7 +5,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import NoPathError, ScenarioError, shown
@@ -17,7 +16,7 @@ from swarm_gym.scenarios import TerrainScenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.elevation_files import READERS
 from swarm_gym.scenarios.terrain import file_family
-from swarm_gym.scenarios.terrain.survey import Survey, survey
+from swarm_gym.scenarios.terrain.survey import Limits, Survey, survey
 
 Point3 = tuple[float, float, float]
 
@@ -146,24 +145,24 @@ def _task(
     danger_distance: float | None,
 ) -> Survey:
     """Return the task of a flight; see `plan_flight`."""
-    limits: dict[str, Any] = {
-        "largest_turn": largest_turn,
-        "largest_climb": largest_climb,
-        "drone_size": drone_size,
-        "danger_distance": danger_distance,
-    }
-    limits = {name: value for name, value in limits.items() if value is not None}
+    limits = Limits()
+    if altitude is not None:
+        limits["altitude"] = altitude
+    if largest_turn is not None:
+        limits["largest_turn"] = largest_turn
+    if largest_climb is not None:
+        limits["largest_climb"] = largest_climb
+    if drone_size is not None:
+        limits["drone_size"] = drone_size
+    if danger_distance is not None:
+        limits["danger_distance"] = danger_distance
     if not is_elevation(where):
-        if altitude is not None:
-            limits["band"] = altitude
-        task = _named(where, {"start": start, "goal": goal, "threats": threats, "coordinates": coordinates})
-        return replace(task, scenario=replace(task.scenario, **limits)) if limits else task
+        given = {"start": start, "goal": goal, "threats": threats, "coordinates": coordinates}
+        return _named(where, given, limits)
     if start is None or goal is None:
         raise ScenarioError(
             f"map {shown(str(where))}: a file needs a start and a goal, x, y and height above ground"
         )
-    if altitude is not None:
-        limits["altitude"] = altitude
     near = None if threats is None else _found(threats)
     return survey(_found(str(where)), start, goal, threats=near, coordinates=coordinates, **limits)
 
@@ -186,13 +185,13 @@ def _found(path: str | Path) -> Path:
         raise ScenarioError(f"{error}; nor is there a file {path} from {Path.cwd()}") from error
 
 
-def _named(where: str | Path | TerrainScenario, given: Mapping[str, object]) -> Survey:
-    """Return the task of a scenario or of its name, which has what may not be given."""
+def _named(where: str | Path | TerrainScenario, given: Mapping[str, object], limits: Limits) -> Survey:
+    """Return the task of a scenario or of its name, with other limits; nothing else may be given."""
     for role, value in given.items():
         if value is not None:
             raise ScenarioError(f"map {shown(str(where))}: a scenario has its own {role}; leave it out")
     if isinstance(where, str) and where.strip().startswith(f"{file_family.NAME}:"):
-        return file_family.surveyed(file_family.FAMILY.tidy(where))
+        return file_family.surveyed(file_family.FAMILY.tidy(where), limits)
     scenario = make_scenario(str(where) if isinstance(where, Path) else where)
     if not isinstance(scenario, TerrainScenario):
         raise ScenarioError(
@@ -200,4 +199,13 @@ def _named(where: str | Path | TerrainScenario, given: Mapping[str, object]) -> 
             "scenario such as "
             "terrain:test:0"
         )
-    return Survey(scenario)
+    return Survey(
+        replace(
+            scenario,
+            band=limits.get("altitude", scenario.band),
+            largest_turn=limits.get("largest_turn", scenario.largest_turn),
+            largest_climb=limits.get("largest_climb", scenario.largest_climb),
+            drone_size=limits.get("drone_size", scenario.drone_size),
+            danger_distance=limits.get("danger_distance", scenario.danger_distance),
+        )
+    )

@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 
 MAX_POSTS = 100_000_000  # heights of a file
 MAX_FILE = 2**30  # bytes
+SLACK = 1e-3  # of the distance of posts: ground beyond the edge, along which a line in metres may bend
 FINEST_METRES = 0.05  # distance of posts; those of degrees are smaller
 
 
@@ -47,8 +48,7 @@ class Elevation(NamedTuple):
         place = (points - np.array(self.origin)) / np.array(self.spacing)
         rows, columns = self.heights.shape
         last = np.array([columns - 1.0, rows - 1.0])
-        slack = 1e-6  # of a post, for roundings at the edge
-        inside = ((place >= -slack) & (place <= last + slack)).all(axis=1)
+        inside = ((place >= -SLACK) & (place <= last + SLACK)).all(axis=1)
         place = np.clip(place, 0.0, last)
         i, j = np.minimum(place.astype(np.int64), [columns - 2, rows - 2]).T
         right, up = place[:, 0] - i, place[:, 1] - j

@@ -23,7 +23,8 @@ COORDINATES = (PLANE, GEOGRAPHIC)
 WIDEST = 100_000.0
 FINEST = 3  # decimals that coordinates in metres seldom exceed
 MOST_STRETCH = 0.02  # of a length: more than UTM or national systems have
-SAME_PLACE = 1.0  # metres between places that count as the same
+SAME_METRES, SAME_DEGREES = 5.0, 5e-5  # between places that count as the same: ETRS89 is near WGS 84
+DEGREES = "EPSG:4326"
 
 # Codes of EPSG for longitude and latitude: WGS 84 and its three-dimensional form, ETRS89, and the systems of
 # North America, Canada, Australia (two), New Zealand, Japan, China and South America. Their ellipsoids differ
@@ -124,7 +125,8 @@ def require_true_lengths(where: str, system: PlaneSystem, ends: Floats) -> None:
     reach = math.dist(*ends.tolist())
     globe = pyproj.Geod(ellps="WGS84")
     for begin in ends:
-        for step in ((reach, 0.0), (0.0, reach)):
+        for bearing in np.arange(4) * math.pi / 4.0:  # a system may shear, so that diagonals differ
+            step = reach * np.array([math.cos(bearing), math.sin(bearing)])
             (x, y), (to_x, to_y) = system.to_degrees(np.array([begin, begin + step])).tolist()
             true = globe.inv(x, y, to_x, to_y)[2]
             if not abs(reach - true) <= MOST_STRETCH * true:  # also for NaN and infinity
@@ -133,6 +135,26 @@ def require_true_lengths(where: str, system: PlaneSystem, ends: Floats) -> None:
                     f"ground near {x:.5f}, {y:.5f}, expected the same; warp the file first, for example to "
                     "UTM"
                 )
+
+
+def require_usual_degrees(where: str, system: str, points: Floats) -> None:
+    """Raise an error unless the degrees of a system are longitudes and latitudes as WGS 84 has them.
+
+    Args:
+        where: name of the map, for messages.
+        system: the system, as text that pyproj reads.
+        points: (k, 2) longitudes and latitudes in it.
+
+    Raises:
+        ScenarioError: if the same numbers are other places in WGS 84, as with another datum.
+    """
+    if not _are_same_places(system, DEGREES, points, SAME_DEGREES):
+        import pyproj
+
+        raise ScenarioError(
+            f"{where}: its reference system, {pyproj.CRS.from_user_input(system).name}, has other longitudes "
+            "and latitudes than WGS 84; warp the file first, for example with gdalwarp -t_srs EPSG:4326"
+        )
 
 
 def require_same_system(where: str, named: str | None, kind: str, metres: str | None, places: Floats) -> None:
@@ -151,26 +173,34 @@ def require_same_system(where: str, named: str | None, kind: str, metres: str | 
     """
     if named is None or not len(places):
         return
-    expected = GEOGRAPHIC
-    same = _kind_of(named) == kind
-    if same and kind == PLANE and metres is not None:
-        try:
-            import pyproj
+    expected = GEOGRAPHIC if kind == GEOGRAPHIC else "metres of the map"
+    try:
+        import pyproj
 
+        if kind == GEOGRAPHIC:
+            same = _are_same_places(named, DEGREES, places, SAME_DEGREES)
+        elif metres is None:
+            same = not pyproj.CRS.from_user_input(named).is_geographic
+        else:
+            same = _are_same_places(named, metres, places, SAME_METRES)
             expected = pyproj.CRS.from_user_input(metres).name
-            moved = pyproj.Transformer.from_crs(named, metres, always_xy=True).transform(*places.T)
-        except ImportError as error:
-            raise MissingExtraError(f"{where}: a coordinate reference system", "pyproj", "terrain") from error
-        except pyproj.exceptions.ProjError as error:
-            raise ScenarioError(f"{where}: unknown coordinate reference system {shown(named)}") from error
-        same = bool((np.abs(np.stack(moved, axis=-1) - places) <= SAME_PLACE).all())
-    elif kind == PLANE:
-        expected = "metres of the map"
+    except ImportError as error:
+        raise MissingExtraError(f"{where}: a coordinate reference system", "pyproj", "terrain") from error
+    except pyproj.exceptions.ProjError as error:
+        raise ScenarioError(f"{where}: unknown coordinate reference system {shown(named)}") from error
     if not same:
         raise ScenarioError(
             f"{where}: the file names the coordinate reference system {shown(named)}, expected that of start "
             f"and goal, {expected}; convert the file first, for example with ogr2ogr"
         )
+
+
+def _are_same_places(system: str, other: str, points: Floats, near: float) -> bool:
+    """Return whether numbers are the same places in two systems, up to a difference in their unit."""
+    import pyproj
+
+    moved = pyproj.Transformer.from_crs(system, other, always_xy=True).transform(*points.T)
+    return bool((np.abs(np.stack(moved, axis=-1) - points) <= near).all())  # infinity is another place
 
 
 def projection_for(where: str, points: Floats) -> Projection:
@@ -238,7 +268,7 @@ def system_named(where: str, reference: object) -> str | None:
             f"{where}: expected a member 'crs' with properties that have a name, such as EPSG:4326, "
             f"got {shown(reference)}"
         )
-    if found := _EPSG.search(name):
+    if (found := _EPSG.search(name)) and "," not in name:  # a compound name has several
         return f"EPSG:{found[1]}"
     return "OGC:CRS84" if _CRS84.search(name) else name
 

@@ -17,7 +17,7 @@ from swarm_gym.scenarios.formats.data_files import open_file
 from swarm_gym.scenarios.formats.geographic import system_named
 
 MAX_FILE = 2**24  # bytes
-MAX_SIZE = 1e6  # of a radius or height, in metres
+LARGEST = {"radius": 1e6, "height": 5e4, "top": 5e4}  # in metres
 
 
 class Threat(NamedTuple):
@@ -111,9 +111,9 @@ def _number(name: str, properties: dict[str, Any], key: str) -> float | None:
     value = properties.get(key)
     if value is None and key != "radius":
         return None
-    if value is None or not _is_number(value) or not abs(value) <= MAX_SIZE:
+    if value is None or not _is_number(value) or not abs(value) <= LARGEST[key]:
         raise ScenarioError(
-            f"{name}: {key} must be a number of metres, at most {MAX_SIZE:g}, got {shown(value)}"
+            f"{name}: {key} must be a number of metres, at most {LARGEST[key]:g}, got {shown(value)}"
         )
     return float(value)
 

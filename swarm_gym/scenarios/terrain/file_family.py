@@ -16,7 +16,7 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
-from swarm_gym.scenarios.terrain.survey import Survey, survey
+from swarm_gym.scenarios.terrain.survey import Limits, Survey, survey
 
 NAME = "terrain-file"
 USAGE = (
@@ -48,23 +48,28 @@ def make(name: str) -> TerrainScenario:
     return surveyed(name).scenario
 
 
-def surveyed(name: str) -> Survey:
-    """Return the scenario of that name with its coordinates."""
+def surveyed(name: str, limits: Limits | None = None) -> Survey:
+    """Return the scenario of that name with its coordinates.
+
+    Args:
+        name: name of the scenario.
+        limits: limits that take the place of those in the name.
+    """
     path, start, goal, options = _parse(name)
     least, greatest = _numbers(name, "altitude", options.get("altitude", "100-200"), "-", 2)
     (turn,) = _numbers(name, "turn", options.get("turn", "45"), ",", 1)
     (climb,) = _numbers(name, "climb", options.get("climb", "45"), ",", 1)
     threats = options.get("threats")
+    all_limits: Limits = {"altitude": (least, greatest), "largest_turn": turn, "largest_climb": climb}
+    all_limits.update(limits or {})
     return survey(
         find_data_file(path),
         start,
         goal,
         name=name,
         threats=None if threats is None else find_data_file(threats),
-        altitude=(least, greatest),
-        largest_turn=turn,
-        largest_climb=climb,
         coordinates=options.get("coordinates"),
+        **all_limits,
     )
 
 

@@ -1,6 +1,7 @@
 """Threats of a file at their places on an elevation model, as cylinders in the metres of a task."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from swarm_gym.scenarios.formats.geographic import (
 from swarm_gym.scenarios.formats.threat_file import Threat, read_threats
 
 Floats = NDArray[np.float64]
+
+FAR = 1e9  # metres
 
 
 def cylinders_of(
@@ -47,7 +50,8 @@ def cylinders_of(
     places = given
     if kind == GEOGRAPHIC and system is not None:
         _require_degrees(found.threats)
-        places = system.to_metres(given)
+        # Places that the system does not reach are far away.
+        places = np.nan_to_num(system.to_metres(given), nan=FAR, posinf=FAR, neginf=-FAR)
     _require_near(path, found.threats, places, elevation, system)
     x_min, y_min, x_max, y_max = elevation.box
     in_file = given if elevation.kind == GEOGRAPHIC else places
@@ -79,14 +83,21 @@ def _require_near(
     elevation: Elevation,
     system: Projection | PlaneSystem | None,
 ) -> None:
-    """Raise a ScenarioError if no threat, at places (k, 2) of the task, touches the map."""
+    """Raise a ScenarioError if no threat, at places (k, 2) of the task, touches the map, or warn of some."""
     x_min, y_min, x_max, y_max = elevation.box
     corners = np.array([(x, y) for x in (x_min, x_max) for y in (y_min, y_max)])
     if elevation.kind == GEOGRAPHIC and system is not None:
         corners = system.to_metres(corners)
     radii = np.array([[one.radius] for one in threats])
     beyond = (places < corners.min(axis=0) - radii) | (places > corners.max(axis=0) + radii)
-    if beyond.any(axis=1).all():
+    off = beyond.any(axis=1)
+    if off.any() and not off.all():
+        warnings.warn(
+            f"{path}: {int(off.sum())} of {len(threats)} threats do not touch the map, among them "
+            f"{threats[int(np.argmax(off))].name.rpartition(': ')[2]}",
+            stacklevel=4,
+        )
+    if off.all():
         raise ScenarioError(
             f"{path}: none of its {len(threats)} threats touches the map {elevation.path}, which reaches "
             f"from {x_min:.10g}, {y_min:.10g} to {x_max:.10g}, {y_max:.10g} ({elevation.kind}); feature 0 is "

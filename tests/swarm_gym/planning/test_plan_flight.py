@@ -181,6 +181,15 @@ def test_limits_take_the_place_of_those_of_a_scenario():
         plan_flight(scenario, coordinates="plane")
 
 
+def test_limits_take_the_place_of_those_of_a_file_that_is_named_as_scenario(tmp_path):
+    tile = write_hgt(tmp_path)
+    name = f"terrain-file:{tile}?start=7.40,46.50,15&goal=7.43,46.51,15"
+    with pytest.raises(ScenarioError, match=r"start 7\.4, 46\.5, 15 is 15\.0 metres above ground"):
+        plan_flight(name)
+    found = plan_flight(name, altitude=(10.0, 20.0), largest_climb=30.0)
+    assert (found.map.band, found.map.largest_climb) == ((10.0, 20.0), 30.0)
+
+
 def test_ctrl_c_before_a_flight_is_no_lack_of_budget(grid, small, monkeypatch):
     def stopped(*_):
         raise KeyboardInterrupt

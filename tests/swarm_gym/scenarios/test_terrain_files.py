@@ -9,6 +9,7 @@ import pytest
 from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.scenarios import TerrainScenario, make_scenario
+from swarm_gym.scenarios.formats.geographic import PlaneSystem, require_true_lengths
 from swarm_gym.scenarios.formats.threat_file import read_threats
 from swarm_gym.scenarios.terrain.survey import survey
 
@@ -154,7 +155,11 @@ ON_UTM = (2000.0 + 500_000.0, 3000.0 + 5_150_000.0, {"radius": 9})  # of a map n
         (ON_UTM, "EPSG:32633", r"names .*'EPSG:32633', expected .*UTM zone 32N; convert"),
         (ON_UTM, "urn:ogc:def:crs:EPSG::3857", r"'EPSG:3857', expected .*UTM zone 32N"),
         (ON_UTM, "EPSG:99999", "unknown coordinate reference system 'EPSG:99999'"),
-        ((9.03, 46.5, {"radius": 9}), "urn:ogc:def:crs:OGC:1.3:CRS84", "'OGC:CRS84', expected .*metres of"),
+        (
+            (9.03, 46.5, {"radius": 9}),
+            "urn:ogc:def:crs:OGC:1.3:CRS84",
+            "'OGC:CRS84', expected .*UTM zone 32N",
+        ),
         (
             (9.03, 46.5, {"radius": 9}),
             None,
@@ -170,12 +175,28 @@ def test_threats_in_another_system_than_the_map_are_refused(tmp_path, threat, cr
         survey(path, start, goal, threats=threats)
 
 
-@pytest.mark.parametrize("crs", [None, "EPSG:32632", "urn:ogc:def:crs:EPSG::32632", "EPSG:25832"])
+def test_threats_in_degrees_are_refused_where_the_map_names_no_system(tmp_path):
+    path = write_asc(tmp_path / "a.asc", hill())
+    threats = write_threats(tmp_path / "t.geojson", (2000, 3000, {"radius": 9}), crs="EPSG:4326")
+    with pytest.raises(ScenarioError, match=r"'EPSG:4326', expected .*metres of the map"):
+        survey(path, START, GOAL, threats=threats)
+    threats = write_threats(tmp_path / "t.geojson", (2000, 3000, {"radius": 9}), crs="EPSG:32632")
+    assert len(survey(path, START, GOAL, threats=threats).scenario.threats) == 1
+
+
+@pytest.mark.parametrize(
+    "crs",
+    [
+        None, "EPSG:32632", "urn:ogc:def:crs:EPSG::32632", "EPSG:25832",
+        "urn:ogc:def:crs,crs:EPSG::32632,crs:EPSG::5773",
+    ],
+)  # fmt: skip
 def test_threats_in_the_system_of_the_map_are_where_they_are(tmp_path, crs):
     start, goal = ((x + 500_000.0, y + 5_150_000.0, z) for x, y, z in (START, GOAL))
     far = (9.0, 46.0, {"radius": 9})  # one that is off the map is no fault
     threats = write_threats(tmp_path / "t.geojson", ON_UTM, far, crs=crs)
-    found = survey(utm(tmp_path), start, goal, threats=threats)
+    with pytest.warns(UserWarning, match="1 of 2 threats do not touch the map, among them feature 1"):
+        found = survey(utm(tmp_path), start, goal, threats=threats)
     assert found.scenario.threats[0, :2].tolist() == [502_000.0, 5_153_000.0]
     assert len(found.scenario.threats) == 2
 
@@ -184,6 +205,106 @@ def test_threats_whose_coordinates_are_swapped_are_refused(tmp_path):
     threats = write_threats(tmp_path / "t.geojson", (46.51, 7.44, {"radius": 9}))
     with pytest.raises(ScenarioError, match=r"none of its 1 threats touches the map.*are x and y swapped"):
         survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+
+
+@pytest.mark.parametrize(
+    ("code", "place", "same"),
+    [
+        (4258, (7.4, 46.5), True),  # ETRS89
+        (4269, (-84.3, 36.5), True),  # NAD83
+        (4230, (7.4, 46.5), False),  # ED50: 130 metres off
+        (4807, (7.4, 46.5), False),  # grads from Paris
+        (4301, (139.4, 35.5), False),  # Tokyo: 500 metres off
+    ],
+)
+def test_a_map_with_other_degrees_than_those_of_wgs_84_is_refused(tmp_path, code, place, same):
+    import pyproj
+
+    x, y = place
+    path = write_asc(tmp_path / "a.asc", hill(), cell=0.001, corner=place)
+    (tmp_path / "a.prj").write_text(pyproj.CRS.from_epsg(code).to_wkt())
+    ends = (x + 0.02, y + 0.02, 150.0), (x + 0.05, y + 0.03, 150.0)
+    if same:
+        assert survey(path, *ends).system is not None
+    else:
+        with pytest.raises(ScenarioError, match=r"a\.asc: its reference system, .* has other longitudes"):
+            survey(path, *ends)
+
+
+def test_a_system_that_shears_is_refused():
+    system = PlaneSystem("EPSG:3035")
+    near, far = (np.array(system.to_metres([(x, y), (x + 0.1, y)])) for x, y in ((10, 50), (-16, 28)))
+    require_true_lengths("a", system, near)
+    with pytest.raises(
+        ScenarioError, match=r"a: \d+ metres of its reference system are \d+ metres on the gro"
+    ):
+        require_true_lengths("a", system, far)
+
+
+@pytest.mark.parametrize(
+    ("start", "goal"),
+    [
+        ((7.01, 46.003), (7.05, 46.003)),  # 300 metres from the edge
+        ((7.95, 46.001), (7.99, 46.001)),
+        ((7.0, 46.0), (7.03, 46.02)),  # on the first post
+        ((7.97, 46.98), (8.0, 47.0)),  # on the last post
+        ((7.5, 46.0), (7.52, 46.0)),  # along the edge
+    ],
+)
+def test_start_and_goal_may_be_anywhere_on_a_map_in_degrees(tmp_path, start, goal):
+    found = survey(write_hgt(tmp_path), (*start, 150.0), (*goal, 150.0))
+    places = found.for_user(np.array([found.scenario.start[:2], found.scenario.target]))
+    assert places == pytest.approx(np.array([start, goal]), abs=1e-9)
+    assert np.isfinite(found.ground(np.array([found.scenario.start[:2], found.scenario.target]))).all()
+
+
+def test_a_southern_tile_reaches_its_southern_edge(tmp_path):
+    found = survey(write_hgt(tmp_path, "S55W070.hgt"), (-69.53, -54.99, 150.0), (-69.48, -54.985, 150.0))
+    south = found.scenario.workspace[1]
+    assert np.isfinite(found.ground(np.array([[0.0, south + 1.0]]))).all()
+    assert np.isnan(found.ground(np.array([[0.0, south - 1.0]]))).all()
+
+
+@pytest.mark.parametrize(("cell", "away"), [(0.02, 0.002), (0.25, 0.05)])
+def test_posts_may_be_wider_than_the_way(tmp_path, cell, away):
+    path = write_asc(tmp_path / "a.asc", hill()[:20, :20], cell=cell, corner=(7.0, 46.0))
+    (tmp_path / "a.prj").write_text("EPSG:4326")
+    middle = 7.0 + 10.3 * cell, 46.0 + 10.4 * cell
+    found = survey(path, (*middle, 150.0), (middle[0] + away, middle[1], 150.0))
+    assert math.dist(found.scenario.start[:2], found.scenario.target) == pytest.approx(
+        away * 111_320 * math.cos(math.radians(middle[1])), rel=1e-2
+    )
+
+
+@pytest.mark.parametrize("dy", [10.0, 11.0])
+def test_a_task_of_too_many_posts_is_refused_by_its_file(tmp_path, dy):
+    head = f"ncols 9000\nnrows 3\nxllcorner 0\nyllcorner 0\ndx 10\ndy {dy}\n"
+    path = tmp_path / "a.asc"
+    path.write_text(head + "5 " * 27_000)
+    with pytest.raises(ScenarioError, match=r"a\.asc: 9000 x \d heights around .*, expected at most 8192"):
+        survey(path, (50.0, 15.0, 150.0), (89_900.0, 15.0, 150.0))
+
+
+def test_a_map_that_reaches_beyond_180_degrees_is_one_map(tmp_path):
+    heights = np.arange(60.0)[:, None] + 2.0 * np.arange(80.0)
+    path = write_asc(tmp_path / "a.asc", heights, cell=0.002, corner=(179.899, -17.101))
+    (tmp_path / "a.prj").write_text("EPSG:4326")
+    found = survey(path, (179.95, -17.05, 150.0), (179.999, -17.02, 150.0))
+    column, row = (180.01 - 179.9) / 0.002, (-17.04 + 17.1) / 0.002
+    beyond = found.system.to_metres([(180.01 - 360.0, -17.04)])
+    assert found.ground(beyond) == pytest.approx([row + 2.0 * column], abs=1e-3)
+
+
+def test_threats_that_the_system_of_a_map_does_not_reach_are_off_the_map(tmp_path):
+    path = utm(tmp_path)
+    inside = PlaneSystem("EPSG:32632").to_degrees([ON_UTM[:2]])[0].tolist()
+    threats = write_threats(tmp_path / "t.geojson", (*inside, ON_UTM[2]), (99.5, 0.0, {"radius": 9}))
+    ends = PlaneSystem("EPSG:32632").to_degrees([(501_500.0, 5_152_500.0), (504_500.0, 5_154_500.0)]).tolist()
+    with pytest.warns(UserWarning, match="1 of 2 threats do not touch"):
+        found = survey(
+            path, (*ends[0], 150.0), (*ends[1], 150.0), threats=threats, coordinates="longitude-latitude"
+        )
+    assert found.scenario.threats[0, :2] == pytest.approx(ON_UTM[:2], abs=1e-3)
 
 
 @pytest.mark.parametrize(("code", "words"), [(3857, r"3000 metres .* are \d+ metres"), (3395, "to UTM")])
