@@ -104,13 +104,13 @@ def plan_flight(
         )
     seconds = time.monotonic() - began
     if not search.improvements:
-        climb = search.least_climb()
-        steep = climb > task.scenario.largest_climb and math.isfinite(climb)
         if stopped:
             raise NoPathError(
                 f"stopped by Ctrl-C after {seconds:.2f} seconds, before a flight over "
                 f"{task.scenario.name!r} was found"
             )
+        climb = search.least_climb()
+        steep = climb > task.scenario.largest_climb and math.isfinite(climb)
         raise NoPathError(
             f"no flight found over {task.scenario.name!r} with {search.evaluations:,} evaluations in "
             f"{seconds:.2f} "
