@@ -15,7 +15,7 @@ from experiments.studies.bbob.suites import BASELINE, OPTIMIZERS
 from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.studies.strong.suites import LADDER
 from experiments.studies.terrain import table_of_control
-from experiments.studies.terrain.tables_of_costs import IN_SHORT, LONGER
+from experiments.studies.terrain.tables_of_costs import AFTER_20_000, AFTER_100_000, IN_SHORT, LONGER
 from experiments.tables.block_contents import shortened, texts
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick
@@ -137,6 +137,13 @@ def _control(results: ResultsFolder) -> str:
     return shortened(CONTROL, table_of_control.IN_SHORT, results)
 
 
+def _longer_control(results: ResultsFolder) -> str:
+    """Return the table of control after 20,000 evaluations, and show its figure."""
+    name = f"{LONGER_GUIDED}/metabox-control"
+    _show(results, "control", draw_control, results.table(name))
+    return shortened(name, table_of_control.AFTER_20_000, results)
+
+
 def _cases_at_budgets(results: ResultsFolder) -> str:
     """Return the table of the cases at equal evaluations, and show its figure."""
     _show(results, "cases-at-budgets", draw_cases_at_budgets, results.table(CASES_TABLE))
@@ -182,10 +189,15 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 }
 # Rows with planned flights after more evaluations than those of the trainings.
 TERRAIN_BUDGETS: Mapping[str, Block] = {
-    "longer-control": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-control.md"),
-    "longer-guided": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-in-short.md"),
+    "longer-control": _longer_control,
+    "longer-guided": partial(shortened, f"{LONGER_GUIDED}/metabox-in-short", AFTER_20_000),
     "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
-    "longest-guided": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-in-short.md"),
+    "longest-guided": partial(shortened, f"{LONGEST_GUIDED}/metabox-in-short", AFTER_100_000),
+}
+TERRAIN_BUDGETS_TABLES: Mapping[str, Block] = {
+    "all-longer-control": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-control.md"),
+    "all-longer-guided": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-in-short.md"),
+    "all-longest-guided": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-in-short.md"),
 }
 TERRAIN_COSTS: Mapping[str, Block] = {
     f"{name}-by-terrain": partial(ResultsFolder.text, name=f"{folder}/metabox-by-terrain.md")
@@ -220,5 +232,8 @@ STUDY_DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/terrain-tables.md"), "", "", blocks=TERRAIN_TABLES),
         Document(Path("docs/terrain-cost-tables.md"), "", "", blocks=TERRAIN_COSTS),
     ),
-    "terrain-budgets": (Document(Path("docs/terrain-budgets.md"), "", "", blocks=TERRAIN_BUDGETS),),
+    "terrain-budgets": (
+        Document(Path("docs/terrain-budgets.md"), "", "terrain-budgets", blocks=TERRAIN_BUDGETS),
+        Document(Path("docs/terrain-budgets-tables.md"), "", "", blocks=TERRAIN_BUDGETS_TABLES),
+    ),
 }

@@ -26,6 +26,16 @@ IN_SHORT = (
 )  # fmt: skip
 
 
+# Rows of docs/terrain-budgets.md after 20,000 evaluations; its appendix has all.
+AFTER_20_000 = (
+    "L-SHADE, 60 members", "L-SHADE, linear reduction", "L-SHADE, SPSFA-TIP, tuned",
+    "L-SHADE, constants, with sources", "L-SHADE, blind schedule, size and phi",
+    "L-SHADE, blind schedule, with sources", "L-SHADE, learned, size and phi",
+    "L-SHADE, learned, with sources", "fireflies, constants, with sources",
+    "fireflies, learned, with sources",
+)  # fmt: skip
+
+
 def objective(costs: Floats) -> float:
     """Return the objective of costs of any shape."""
     return float(100.0 * np.log(costs).mean())

@@ -32,11 +32,22 @@ IN_SHORT = (
 )  # fmt: skip
 # Rows of that page after more evaluations.
 LONGER = (
-    "L-SHADE, constants, with sources, waypoints, guided", "L-SHADE, waypoints, guided",
+    "L-SHADE, linear reduction, waypoints, guided", "L-SHADE, waypoints, guided",
     "multivariate, waypoints, guided", "fireflies, waypoints, guided", "CMA-ES, waypoints, guided",
     "L-SHADE, waypoints, smooth", "multivariate, waypoints, smooth", "L-SHADE, waypoints, uniform",
     "L-SHADE, spherical, uniform", "PSO, spherical, uniform",
 )  # fmt: skip
+
+
+# Rows of docs/terrain-budgets.md, after 20,000 evaluations and after 100,000; its appendix has all.
+BUDGETS = (
+    "L-SHADE, linear reduction, waypoints, guided", "L-SHADE, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, size and phi, waypoints, guided",
+    "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
+    "cmaes CMA-ES, spherical", "pymoo DE, waypoints", "mealpy L-SHADE, waypoints",
+)  # fmt: skip
+AFTER_20_000 = (*BUDGETS, "L-SHADE, linear reduction, waypoints, uniform")
+AFTER_100_000 = (*BUDGETS, "niapy L-SHADE, waypoints")
 
 
 def tables(

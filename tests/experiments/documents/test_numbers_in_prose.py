@@ -24,7 +24,7 @@ PAGES = {
     "docs/planning-wishes.md": (),
     "docs/scores.md": ("docs/scores-tables.md",),
     "docs/terrain.md": ("docs/terrain-tables.md",),
-    "docs/terrain-budgets.md": ("docs/terrain.md",),
+    "docs/terrain-budgets.md": ("docs/terrain-budgets-tables.md", "docs/terrain.md"),
     "docs/terrain-scenarios.md": (),
     "docs/bbob.md": ("docs/bbob-tables.md",),
     "docs/known-optimum.md": ("docs/known-optimum-tables.md",),
