@@ -24,7 +24,7 @@ PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivari
 # Of each library the row with the least mean excess after 2,500 evaluations.
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 # Tables over terrain share their runs. Run again, these commands make no run: they measure all tables from the
-# same best known flights, which the first time may have improved.
+# same best known flights, which the first pass may have improved.
 TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --keep-best --runs-folder results/terrain/runs
 define OVER_TERRAIN
 $(TERRAIN) --evaluations 100000 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --output results/terrain/longest

@@ -16,7 +16,7 @@ from experiments.documents.records import commits_in, record_of, write_record
 from experiments.speed.beside_metabox import table_beside_metabox
 from experiments.studies.terrain.best_known import collect, least_costs
 from experiments.studies.terrain.controllers_of_terrain import rows
-from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all, stored_files
+from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
 from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
@@ -82,16 +82,17 @@ def write(config: TerrainConfig) -> list[Path]:
     chosen = _chosen(config)
     terrains = [name for given in config.terrains for name in expand_name(given)]
     asked = Asked(config.cost, tuple(config.evaluations), config.runs, config.peer_runs, config.policy_runs)
-    runs = config.runs_folder or config.output / "runs"
-    measured = measure_all(chosen, terrains, asked, runs)
+    folder = config.runs_folder or config.output / "runs"
+    used: set[Path] = set()
+    measured = measure_all(chosen, terrains, asked, folder, used)
     if config.keep_best:
-        collect(runs, terrains)
+        collect(folder, terrains)
     known = least_costs(config.cost, terrains)
     made = [
         *tables(measured, terrains, asked, known),
-        *_control(config, chosen, measured, asked, known, runs),
+        *_control(config, chosen, measured, asked, known, folder, used),
     ]
-    commits = commits_in(stored_files(chosen, terrains, asked, runs))
+    commits = commits_in(sorted(used))
     digests = digests_of_terrain(row.name for row in chosen)
     write_record(record_of(f"terrain-{config.output.name}", commits, digests), config.output)
     for table in made:
@@ -115,7 +116,8 @@ def _control(
     measured: dict[str, Floats],
     asked: Asked,
     known: Floats,
-    runs: Path,
+    folder: Path,
+    used: set[Path],
 ) -> list[Table]:
     """Return the table of controllers, if policies have rivals and their flights have a measure."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
@@ -128,7 +130,7 @@ def _control(
     by_optimizer = {name: [row for row in unlearned if row.optimizer == name] for name in optimizers}
     several = [row for row in unlearned if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
-    found = measure_all(several, expand_name(config.validation), asked_once, runs)
+    found = measure_all(several, expand_name(config.validation), asked_once, folder, used)
     rivals = {
         optimizer: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
         for optimizer, own in by_optimizer.items()

@@ -116,7 +116,7 @@ def digests_of_terrain(names: Iterable[str] | None = None) -> dict[str, str]:
     The digest of a row is taken over the row, its size or controllers, and the results of the optimizer.
 
     Args:
-        names: names of the rows that had runs, other libraries among them or not; by default all rows.
+        names: names of rows; by default all. Rows of other libraries have no digest, and are passed over.
     """
     # Imported here: rows of other libraries need these.
     from experiments.studies.terrain.controllers_of_terrain import EVALUATIONS, controller_of, rows

@@ -15,7 +15,12 @@ from experiments.studies.bbob.suites import BASELINE, OPTIMIZERS
 from experiments.studies.strong.figure import draw_cases_at_budgets
 from experiments.studies.strong.suites import LADDER
 from experiments.studies.terrain import table_of_control
-from experiments.studies.terrain.tables_of_costs import AFTER_20_000, AFTER_100_000, IN_SHORT, LONGER
+from experiments.studies.terrain.tables_of_costs import (
+    COSTS_AFTER_20_000,
+    COSTS_AFTER_100_000,
+    IN_SHORT,
+    LONGER,
+)
 from experiments.tables.block_contents import shortened, texts
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import pick
@@ -141,7 +146,7 @@ def _longer_control(results: ResultsFolder) -> str:
     """Return the table of control after 20,000 evaluations, and show its figure."""
     name = f"{LONGER_GUIDED}/metabox-control"
     _show(results, "control", draw_control, results.table(name))
-    return shortened(name, table_of_control.AFTER_20_000, results)
+    return shortened(name, table_of_control.CONTROL_AFTER_20_000, results)
 
 
 def _cases_at_budgets(results: ResultsFolder) -> str:
@@ -190,9 +195,9 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 # Rows with planned flights after more evaluations than those of the trainings.
 TERRAIN_BUDGETS: Mapping[str, Block] = {
     "longer-control": _longer_control,
-    "longer-guided": partial(shortened, f"{LONGER_GUIDED}/metabox-in-short", AFTER_20_000),
+    "longer-guided": partial(shortened, f"{LONGER_GUIDED}/metabox-in-short", COSTS_AFTER_20_000),
     "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
-    "longest-guided": partial(shortened, f"{LONGEST_GUIDED}/metabox-in-short", AFTER_100_000),
+    "longest-guided": partial(shortened, f"{LONGEST_GUIDED}/metabox-in-short", COSTS_AFTER_100_000),
 }
 TERRAIN_BUDGETS_TABLES: Mapping[str, Block] = {
     "all-longer-control": partial(ResultsFolder.text, name=f"{LONGER_GUIDED}/metabox-control.md"),

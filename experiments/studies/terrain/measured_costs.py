@@ -79,11 +79,19 @@ class _Found(NamedTuple):
     vector: list[float]
 
 
-def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
+def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Path] | None = None) -> Floats:
     """Return the best costs, (budgets, runs), of a row on a terrain.
 
     Known ones are read from the folder. Where it has fewer runs than asked for, the others are added to them.
-    Costs of a budget that the row is not for are NaN. A file has the flight of the least cost, too.
+    A file of more runs is not used. Costs of a budget that the row is not for are NaN. A file has the flight
+    of the least cost, too.
+
+    Args:
+        row: the row.
+        terrain: name of the terrain.
+        asked: cost, budgets and numbers of runs.
+        folder: folder that keeps the costs of all runs.
+        used: the files of these runs are added to it.
     """
     scenario = make_scenario(terrain)
     encoding = row.encoding if isinstance(row, Row | PeerRow) else "waypoints"
@@ -96,7 +104,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
             continue
         identity = _identity(row, problem, evaluations)
         name = _file_name(row, terrain, asked.cost, evaluations)
-        known = _read(folder, name, identity, runs)
+        known, files = _read(folder, name, identity, runs)
         if known.runs < runs:
             seeds = TEST[known.runs : runs]
             known = _added(known, _flights(row, problem, terrain, asked.cost, evaluations, seeds), len(seeds))
@@ -105,15 +113,21 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path) -> Floats:
             folder.mkdir(parents=True, exist_ok=True)
             found_now = {"costs": known.costs, "flight": flight, "provenance": provenance()}
             whole = {"asked": {**identity, "runs": runs}, **content, **found_now}
-            write_atomically(folder / f"{name}-{runs}.json", json.dumps(whole) + "\n")
+            files.append(write_atomically(folder / f"{name}-{runs}.json", json.dumps(whole) + "\n"))
+        if used is not None:
+            used.update(files)
         found.append(known.costs)
     return np.array(found)
 
 
 def measure_all(
-    chosen: Iterable[AnyRow], terrains: Sequence[str], asked: Asked, folder: Path
+    chosen: Iterable[AnyRow],
+    terrains: Sequence[str],
+    asked: Asked,
+    folder: Path,
+    used: set[Path] | None = None,
 ) -> dict[str, Floats]:
-    """Return the best costs, (terrains, budgets, runs), of all rows by name.
+    """Return the best costs, (terrains, budgets, runs), of all rows by name; see `measure`.
 
     The maps are made once for all rows: one terrain follows the other.
     """
@@ -121,21 +135,8 @@ def measure_all(
     every = list(chosen)
     for terrain in tqdm(terrains, desc="terrains", unit="terrain"):
         for row in every:
-            found.setdefault(row.name, []).append(measure(row, terrain, asked, folder))
+            found.setdefault(row.name, []).append(measure(row, terrain, asked, folder, used))
     return {name: np.stack(parts) for name, parts in found.items()}
-
-
-def stored_files(chosen: Iterable[AnyRow], terrains: Sequence[str], asked: Asked, folder: Path) -> list[Path]:
-    """Return the files of what is stored of rows on terrains, whatever the number of runs."""
-    every = list(folder.glob("*.json"))
-    rows = list(chosen)
-    names = {
-        _file_name(row, terrain, asked.cost, evaluations)
-        for row in rows
-        for terrain in terrains
-        for evaluations in asked.evaluations
-    }
-    return [file for file in every if file.stem.rpartition("-")[0] in names]
 
 
 def _file_name(row: AnyRow, terrain: str, cost: str, evaluations: int) -> str:
@@ -158,15 +159,20 @@ def _controller(row: ControlledRow, name: str, evaluations: int) -> Controller:
     return controller_of(row, name, evaluations)
 
 
-def _read(folder: Path, name: str, identity: Mapping[str, object], runs: int) -> _Found:
-    """Return what is stored with the most runs, but no more than these."""
-    for number in range(runs, 0, -1):
+def _read(folder: Path, name: str, identity: Mapping[str, object], runs: int) -> tuple[_Found, list[Path]]:
+    """Return what is stored with the most runs, but no more than these, and the files that it came from.
+
+    A file to which runs were added is among these, since it has the commit of the first ones.
+    """
+    known, files = _Found(0, [], []), []
+    for number in range(1, runs + 1):
         file = folder / f"{name}-{number}.json"
         if file.is_file():
             stored = json.loads(file.read_text(encoding="utf-8"))
             if stored["asked"] == {**identity, "runs": number}:
-                return _Found(number, stored["costs"], stored["flight"]["vector"])
-    return _Found(0, [], [])
+                known = _Found(number, stored["costs"], stored["flight"]["vector"])
+                files.append(file)
+    return known, files
 
 
 def _added(known: _Found, flights: Flights, runs: int) -> _Found:

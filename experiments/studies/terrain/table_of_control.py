@@ -27,7 +27,7 @@ IN_SHORT = (
 
 
 # Rows of docs/terrain-budgets.md after 20,000 evaluations; its appendix has all.
-AFTER_20_000 = (
+CONTROL_AFTER_20_000 = (
     "L-SHADE, 60 members", "L-SHADE, linear reduction", "L-SHADE, SPSFA-TIP, tuned",
     "L-SHADE, constants, with sources", "L-SHADE, blind schedule, size and phi",
     "L-SHADE, blind schedule, with sources", "L-SHADE, learned, size and phi",

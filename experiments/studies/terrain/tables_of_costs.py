@@ -46,8 +46,8 @@ BUDGETS = (
     "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
     "cmaes CMA-ES, spherical", "pymoo DE, waypoints", "mealpy L-SHADE, waypoints",
 )  # fmt: skip
-AFTER_20_000 = (*BUDGETS, "L-SHADE, linear reduction, waypoints, uniform")
-AFTER_100_000 = (*BUDGETS, "niapy L-SHADE, waypoints")
+COSTS_AFTER_20_000 = (*BUDGETS, "L-SHADE, linear reduction, waypoints, uniform")
+COSTS_AFTER_100_000 = (*BUDGETS, "niapy L-SHADE, waypoints")
 
 
 def tables(
@@ -60,11 +60,12 @@ def tables(
             is not for.
         terrains: names of the terrains.
         asked: runs of each row.
-        known: (terrains,) costs of the best known flights; infinite where none is known.
+        known: (terrains,) costs of the best known flights. Where it is infinite, none is known, and the best
+            of these runs takes its place.
     """
     measured = {name: costs for name, costs in measured.items() if not np.isnan(costs).all()}
     found = np.min([np.nanmin(costs, axis=(1, 2)) for costs in measured.values()], axis=0)
-    best = np.minimum(found, known)
+    best = np.where(np.isfinite(known), known, found)
     return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
 
 

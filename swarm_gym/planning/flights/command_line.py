@@ -23,7 +23,7 @@ EXAMPLES = """examples:
       --goal 7.48,46.52,150 --altitude 100..200 --budget 5s --output flight.kml --output flight.png
   python -m swarm_gym.plan --map terrain:test:0 --output flight.html
 
-exit status: 0 with a flight, 2 for invalid input, 3 if no flight was found
+exit status: 0 with a flight, 2 for invalid input, 3 if no flight was found, 130 after Ctrl-C without one
 """
 
 
@@ -67,7 +67,7 @@ def main(arguments: Sequence[str]) -> int:
             write_flight(found, *options.output)
             print(f"written to {', '.join(map(str, options.output))}")
     except KeyboardInterrupt:
-        print("interrupted before a flight was planned or written", file=sys.stderr)
+        print("interrupted before a flight was found or written", file=sys.stderr)
         return INTERRUPTED
     except NoPathError as error:
         print(f"no flight: {error}", file=sys.stderr)

@@ -24,6 +24,8 @@ LONGEST = 40.0  # metres
 class GroundTrack(NamedTuple):
     """The ground below a route, at n nodes: its vertices, and wherever it enters another cell.
 
+    Over a map that was sampled they are no more than `LONGEST` metres apart, too.
+
     Attributes:
         along: (n,) distances from the start, seen from above.
         points: (n, 2) x and y.
@@ -88,7 +90,7 @@ def _crossings(scenario: TerrainScenario, begin: Floats, end: Floats) -> Floats:
 
 
 def _nodes_in_file(task: Survey, route: Floats) -> tuple[Floats, Integers, Integers]:
-    """Return the same for cells of the file.
+    """Return the nodes on lines between cells of the file, the segments of pieces, and the vertices.
 
     The route is cut into pieces that are straight in the coordinates of the file, and no longer than a cell.
     """

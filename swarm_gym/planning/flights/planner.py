@@ -65,12 +65,14 @@ def plan_flight(
         max_evaluations: evaluations after which no further episode begins, and at least one does.
         max_seconds: seconds after which planning ends.
         seed: seed of the first episode.
-        outputs: files that `write_flight` is to write; what they cannot be is refused before planning.
+        outputs: names of files for a later call of `write_flight`; nothing is written here. A wrong ending,
+            or a format that the map does not allow, is refused before planning.
 
     Raises:
         ScenarioError: for files, a start, a goal or limits that are invalid.
         SettingError: for another value that is invalid.
         NoPathError: if no flight was found within the budget.
+        KeyboardInterrupt: after Ctrl-C before a flight was found; after it, the best flight is returned.
         MissingExtraError: if a file or an output needs a library that is missing.
     """
     require_integer("seed", seed, 0, 2**31)
@@ -105,10 +107,7 @@ def plan_flight(
     seconds = time.monotonic() - began
     if not search.improvements:
         if stopped:
-            raise NoPathError(
-                f"stopped by Ctrl-C after {seconds:.2f} seconds, before a flight over "
-                f"{task.scenario.name!r} was found"
-            )
+            raise KeyboardInterrupt
         climb = search.least_climb()
         steep = climb > task.scenario.largest_climb and math.isfinite(climb)
         raise NoPathError(

@@ -15,6 +15,7 @@ from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.planning.flights.picture import as_page, as_png
 from swarm_gym.planning.flights.result import Flight
 from swarm_gym.planning.writing import checked, format_of, write_all
+from swarm_gym.scenarios.formats.elevation import NAME_SYSTEM
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
 from swarm_gym.scenarios.terrain.survey import Survey
@@ -161,11 +162,15 @@ def require_places(paths: Iterable[Path], task: Survey) -> None:
     """
     for path in paths:
         if path.suffix in (".kml", ".plan") and task.system is None:
-            if task.elevation is None:
-                reason = f"{task.scenario.name!r} has no place on the earth; write CSV or GeoJSON"
-            else:
-                reason = f"{task.elevation.path} names no coordinate reference system; add a .prj file"
-            raise SettingError(f"output {str(path)!r}: KML and missions need {GEOGRAPHIC}, and {reason}")
+            raise SettingError(f"output {str(path)!r}: {_without_a_place(task)}")
+
+
+def _without_a_place(task: Survey) -> str:
+    """Return words on a task that has no place on the earth."""
+    reason = f"{task.scenario.name!r} has no place on the earth; write CSV or GeoJSON"
+    if task.elevation is not None:
+        reason = f"{task.elevation.path} names no coordinate reference system; {NAME_SYSTEM}"
+    return f"KML and missions need {GEOGRAPHIC}, and {reason}"
 
 
 def write_flight(flight: Flight, *paths: Path) -> None:
@@ -185,8 +190,7 @@ def write_flight(flight: Flight, *paths: Path) -> None:
 def _degrees(flight: Flight) -> Floats:
     places = flight.in_degrees
     if places is None:
-        require_places([Path("flight.kml")], flight.task)
-    assert places is not None
+        raise SettingError(f"output: {_without_a_place(flight.task)}")
     return places
 
 

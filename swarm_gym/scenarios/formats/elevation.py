@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 MAX_POSTS = 100_000_000  # heights of a file
 MAX_FILE = 2**30  # bytes
 SLACK = 1e-3  # of the distance of posts: ground beyond the edge, along which a line in metres may bend
+NAME_SYSTEM = "name it, with a .prj file beside .asc or gdal_edit -a_srs for .tif"  # for messages
 FINEST_METRES = 0.05  # distance of posts; those of degrees are smaller
 
 

@@ -80,7 +80,8 @@ def read_geotiff(path: Path) -> Elevation:
                 return _content_of_geotiff(path, file)
     except (OSError, rasterio.errors.RasterioError) as error:
         reason = " ".join(str(error.__cause__ or error).split())  # rasterio names the cause in another one
-        raise ScenarioError(f"{path}: cannot be read as GeoTIFF: {reason}; is the file whole?") from error
+        whole = "; is the file whole?" if error.__cause__ else ""
+        raise ScenarioError(f"{path}: cannot be read as GeoTIFF: {reason}{whole}") from error
 
 
 def _content_of_geotiff(path: Path, file: Any) -> Elevation:

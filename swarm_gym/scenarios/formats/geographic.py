@@ -157,14 +157,16 @@ def require_usual_degrees(where: str, system: str, points: Floats) -> None:
         )
 
 
-def require_same_system(where: str, named: str | None, kind: str, metres: str | None, places: Floats) -> None:
+def require_same_system(
+    where: str, named: str | None, kind: str, map_system: str | None, places: Floats
+) -> None:
     """Raise an error unless a file has the coordinates of start and goal.
 
     Args:
         where: name of the file, for messages.
         named: the reference system that the file names, see `system_named`; None if it names none.
         kind: kind of the coordinates of start and goal.
-        metres: reference system of coordinates in metres, as text that pyproj reads; None without one.
+        map_system: reference system of a map in metres, as text that pyproj reads; None without one.
         places: (k, 2) coordinates in the file.
 
     Raises:
@@ -179,11 +181,11 @@ def require_same_system(where: str, named: str | None, kind: str, metres: str | 
 
         if kind == GEOGRAPHIC:
             same = _are_same_places(named, DEGREES, places, SAME_DEGREES)
-        elif metres is None:
+        elif map_system is None:
             same = not pyproj.CRS.from_user_input(named).is_geographic
         else:
-            same = _are_same_places(named, metres, places, SAME_METRES)
-            expected = pyproj.CRS.from_user_input(metres).name
+            same = _are_same_places(named, map_system, places, SAME_METRES)
+            expected = pyproj.CRS.from_user_input(map_system).name
     except ImportError as error:
         raise MissingExtraError(f"{where}: a coordinate reference system", "pyproj", "terrain") from error
     except pyproj.exceptions.ProjError as error:
@@ -203,12 +205,13 @@ def _are_same_places(system: str, other: str, points: Floats, near: float) -> bo
     return bool((np.abs(np.stack(moved, axis=-1) - points) <= near).all())  # infinity is another place
 
 
-def projection_for(where: str, points: Floats) -> Projection:
+def projection_for(where: str, points: Floats, hint: str = "") -> Projection:
     """Return a projection around the middle of points.
 
     Args:
         where: name of the map, for messages.
         points: longitude and latitude of everything on the map, (k, 2).
+        hint: words on what to do about other numbers, for messages; by default to choose metres.
 
     Raises:
         ScenarioError: if these are no longitudes and latitudes, or too far apart for one plane.
@@ -217,13 +220,13 @@ def projection_for(where: str, points: Floats) -> Projection:
     for point in points[(np.abs(points) > (180.0, 90.0)).any(axis=1)][:1]:
         raise ScenarioError(
             f"{where}: expected longitude in [-180, 180] and latitude in [-90, 90], "
-            f"got {tuple(point.tolist())}; for x and y in one unit choose coordinates {PLANE!r}"
+            f"got {tuple(point.tolist())}; {hint or f'for x and y in one unit choose coordinates {PLANE!r}'}"
         )
     low, high = points.min(axis=0), points.max(axis=0)
     if high[0] - low[0] > 180.0:
         raise ScenarioError(
             f"{where}: longitudes from {low[0]:g} to {high[0]:g} cross the antimeridian; "
-            f"project the map to metres first, and choose coordinates {PLANE!r}"
+            + (hint or f"project the map to metres first, and choose coordinates {PLANE!r}")
         )
     try:
         import pyproj  # noqa: F401

@@ -17,6 +17,7 @@ from swarm_gym.scenarios.formats.geographic import (
     require_same_system,
 )
 from swarm_gym.scenarios.formats.threat_file import Threat, read_threats
+from swarm_gym.scenarios.terrain.task_ground import in_file
 
 Floats = NDArray[np.float64]
 
@@ -52,10 +53,15 @@ def cylinders_of(
         _require_degrees(found.threats)
         # Places that the system does not reach are far away.
         places = np.nan_to_num(system.to_metres(given), nan=FAR, posinf=FAR, neginf=-FAR)
-    _require_near(path, found.threats, places, elevation, system)
     x_min, y_min, x_max, y_max = elevation.box
-    in_file = given if elevation.kind == GEOGRAPHIC else places
-    ground = elevation.at(np.clip(in_file, (x_min, y_min), (x_max, y_max)))
+    nearest = np.clip(in_file(elevation, system, places), (x_min, y_min), (x_max, y_max))
+    on_map = nearest
+    if elevation.kind == GEOGRAPHIC:
+        assert system is not None
+        on_map = system.to_metres(nearest)
+    distances = np.hypot(*(places - on_map).T)
+    _require_near(path, found.threats, distances, elevation)
+    ground = elevation.at(nearest)
     cylinders = np.empty((len(given), 4))
     for number, (threat, (x, y)) in enumerate(zip(found.threats, places.tolist(), strict=True)):
         top = threat.top
@@ -76,21 +82,9 @@ def _require_degrees(threats: Sequence[Threat]) -> None:
             )
 
 
-def _require_near(
-    path: Path,
-    threats: Sequence[Threat],
-    places: Floats,
-    elevation: Elevation,
-    system: Projection | PlaneSystem | None,
-) -> None:
-    """Raise a ScenarioError if no threat, at places (k, 2) of the task, touches the map, or warn of some."""
-    x_min, y_min, x_max, y_max = elevation.box
-    corners = np.array([(x, y) for x in (x_min, x_max) for y in (y_min, y_max)])
-    if elevation.kind == GEOGRAPHIC and system is not None:
-        corners = system.to_metres(corners)
-    radii = np.array([[one.radius] for one in threats])
-    beyond = (places < corners.min(axis=0) - radii) | (places > corners.max(axis=0) + radii)
-    off = beyond.any(axis=1)
+def _require_near(path: Path, threats: Sequence[Threat], distances: Floats, elevation: Elevation) -> None:
+    """Raise a ScenarioError if no threat touches the map, from which they are (k,) metres away, or warn."""
+    off = distances > [one.radius for one in threats]
     if off.any() and not off.all():
         warnings.warn(
             f"{path}: {int(off.sum())} of {len(threats)} threats do not touch the map, among them "
@@ -98,6 +92,7 @@ def _require_near(
             stacklevel=4,
         )
     if off.all():
+        x_min, y_min, x_max, y_max = elevation.box
         raise ScenarioError(
             f"{path}: none of its {len(threats)} threats touches the map {elevation.path}, which reaches "
             f"from {x_min:.10g}, {y_min:.10g} to {x_max:.10g}, {y_max:.10g} ({elevation.kind}); feature 0 is "

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.formats.elevation import Elevation
+from swarm_gym.scenarios.formats.elevation import NAME_SYSTEM, Elevation
 from swarm_gym.scenarios.formats.elevation_files import read_elevation
 from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
@@ -172,7 +172,7 @@ def survey(
 def _system_for(path: Path, elevation: Elevation, kind: str, ends: Floats) -> Projection | PlaneSystem | None:
     """Return the projection between degrees and the metres of the task."""
     if elevation.kind == GEOGRAPHIC:
-        found = projection_for(str(path), ends)
+        found = projection_for(str(path), ends, "give start and goal in degrees, or warp the map to UTM")
         if elevation.system is not None:
             require_usual_degrees(str(path), elevation.system, ends)
         return found
@@ -181,6 +181,6 @@ def _system_for(path: Path, elevation: Elevation, kind: str, ends: Floats) -> Pr
     if kind == GEOGRAPHIC:
         raise ScenarioError(
             f"{path}: the file names no coordinate reference system, so longitude and latitude have no "
-            "place on it; give start and goal in its own metres, or add a .prj file"
+            f"place on it; give start and goal in its own metres, or {NAME_SYSTEM}"
         )
     return None

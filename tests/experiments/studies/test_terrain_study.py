@@ -143,9 +143,15 @@ def test_tables_have_excess_over_the_best_and_count_firsts():
     assert found[PLANNED] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
     assert [str(row[0]) for row in short.rows] == ["PSO, one", PLANNED]
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [10.0, 20.0]
-    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, np.array([5.0, 90.0]))
+    known = np.array([5.0, np.inf])
+    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, known)
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 20.0]
     assert short.rows[0][1].numbers["value"] == pytest.approx(110.0)
+    # A cheaper flight of the runs is no known one: it was refused, or waits for `--keep-best`.
+    known = np.array([5.0, 80.0])
+    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, known)
+    assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 80.0]
+    assert short.rows[0][1].numbers["value"] == pytest.approx((120.0 - 50.0) / 2.0)
 
 
 def test_the_best_peer_is_named_and_rows_are_counted_against_it():
@@ -337,10 +343,21 @@ def test_tables_share_runs_and_know_the_commits_of_their_own(little_terrain, tmp
     )
     command.write(config)
     assert not (tmp_path / "both" / "runs").exists()
-    for file in (tmp_path / "runs").glob("*planned*"):
+
+    def with_commit(file, letter, **changes):
         stored = json.loads(file.read_text(encoding="utf-8"))
-        changed = {**stored, "provenance": {"commit": "f" * 40}}
+        changed = {**stored, **changes, "provenance": {"commit": letter * 40}}
         file.write_text(json.dumps(changed), encoding="utf-8")
+
+    (planned,) = (tmp_path / "runs").glob("*planned*")
+    with_commit(planned, "f")
+    (file,) = (tmp_path / "runs").glob("*guided-100-2.json")
+    stale = file.with_name(file.name.replace("-2.json", "-1.json"))
+    stale.write_text(file.read_text(encoding="utf-8"), encoding="utf-8")
+    with_commit(stale, "e", asked={})  # of another terrain of the name
+    more = file.with_name(file.name.replace("-2.json", "-9.json"))
+    more.write_text(file.read_text(encoding="utf-8"), encoding="utf-8")
+    with_commit(more, "d")
     monkeypatch.setattr(measured_costs, "run_episodes", None)  # a further run would fail
     command.write(replace(config, output=tmp_path / "one", rows=(ROW.name,)))
     (one,) = records_in(tmp_path / "one")

@@ -258,6 +258,18 @@ def test_start_and_goal_may_be_anywhere_on_a_map_in_degrees(tmp_path, start, goa
     assert np.isfinite(found.ground(np.array([found.scenario.start[:2], found.scenario.target]))).all()
 
 
+def test_threats_at_the_edge_of_a_map_in_degrees_are_on_it(tmp_path):
+    # A parallel bends: the middle of the southern edge lies farther south than its ends.
+    threats = write_threats(tmp_path / "t.geojson", (7.5, 46.0005, {"radius": 1}))
+    found = survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+    assert len(found.scenario.threats) == 1
+    threats = write_threats(tmp_path / "t.geojson", (7.5, 45.999, {"radius": 100}))
+    with pytest.raises(ScenarioError, match="none of its 1 threats touches the map"):
+        survey(write_hgt(tmp_path), WEST, EAST, threats=threats)
+    threats = write_threats(tmp_path / "t.geojson", (7.5, 45.999, {"radius": 120}))  # 111 metres away
+    assert len(survey(write_hgt(tmp_path), WEST, EAST, threats=threats).scenario.threats) == 1
+
+
 def test_a_southern_tile_reaches_its_southern_edge(tmp_path):
     found = survey(write_hgt(tmp_path, "S55W070.hgt"), (-69.53, -54.99, 150.0), (-69.48, -54.985, 150.0))
     south = found.scenario.workspace[1]
@@ -293,6 +305,9 @@ def test_a_map_that_reaches_beyond_180_degrees_is_one_map(tmp_path):
     column, row = (180.01 - 179.9) / 0.002, (-17.04 + 17.1) / 0.002
     beyond = found.system.to_metres([(180.01 - 360.0, -17.04)])
     assert found.ground(beyond) == pytest.approx([row + 2.0 * column], abs=1e-3)
+    threats = write_threats(tmp_path / "t.geojson", (180.01 - 360.0, -17.04, {"radius": 9, "height": 100}))
+    found = survey(path, (179.95, -17.05, 150.0), (179.999, -17.02, 150.0), threats=threats)
+    assert found.scenario.threats[0, 2] == pytest.approx(100.0 + row + 2.0 * column, abs=1e-3)
 
 
 def test_threats_that_the_system_of_a_map_does_not_reach_are_off_the_map(tmp_path):
