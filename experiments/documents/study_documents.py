@@ -3,7 +3,7 @@
 A page shows at most ten rows of a table, which are chosen here by their names. Its appendix shows all rows.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -135,18 +135,10 @@ def _strong(results: ResultsFolder) -> str:
     return shortened(name, STRONG, results, STRONG_COLUMNS)
 
 
-def _control(results: ResultsFolder) -> str:
-    """Return the table of control over terrain, and show its figure."""
-    table = results.table(CONTROL)
-    _show(results, "control", draw_control, table)
-    return shortened(CONTROL, table_of_control.IN_SHORT, results)
-
-
-def _longer_control(results: ResultsFolder) -> str:
-    """Return the table of control after 20,000 evaluations, and show its figure."""
-    name = f"{LONGER_GUIDED}/metabox-control"
+def _control(name: str, rows: Collection[str], results: ResultsFolder) -> str:
+    """Return some rows of a table of control over terrain, and show the figure of all its rows."""
     _show(results, "control", draw_control, results.table(name))
-    return shortened(name, table_of_control.CONTROL_AFTER_20_000, results)
+    return shortened(name, rows, results)
 
 
 def _cases_at_budgets(results: ResultsFolder) -> str:
@@ -181,7 +173,7 @@ STRONG_TABLES: Mapping[str, Block] = {
 }
 TERRAIN_BLOCKS: Mapping[str, Block] = {
     "test-terrains": partial(shortened, TERRAINS, IN_SHORT),
-    "control-over-terrain": _control,
+    "control-over-terrain": partial(_control, CONTROL, table_of_control.IN_SHORT),
     "longer-over-terrain": partial(shortened, "terrain/longer/metabox-in-short", LONGER),
     "longest-over-terrain": partial(ResultsFolder.text, name="terrain/longest/metabox-in-short.md"),
 }
@@ -194,7 +186,9 @@ TERRAIN_TABLES: Mapping[str, Block] = {
 }
 # Rows with planned flights after more evaluations than those of the trainings.
 TERRAIN_BUDGETS: Mapping[str, Block] = {
-    "longer-control": _longer_control,
+    "longer-control": partial(
+        _control, f"{LONGER_GUIDED}/metabox-control", table_of_control.CONTROL_AFTER_20_000
+    ),
     "longer-guided": partial(shortened, f"{LONGER_GUIDED}/metabox-in-short", COSTS_AFTER_20_000),
     "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
     "longest-guided": partial(shortened, f"{LONGEST_GUIDED}/metabox-in-short", COSTS_AFTER_100_000),

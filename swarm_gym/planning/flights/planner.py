@@ -5,6 +5,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import NoPathError, ScenarioError, shown
@@ -82,18 +83,15 @@ def plan_flight(
         require_integer("max_evaluations", max_evaluations, 1)
     require_formats(outputs)
     began = time.monotonic()
-    task = _task(
-        where,
-        start,
-        goal,
-        threats=threats,
-        altitude=altitude,
-        largest_turn=largest_turn,
-        largest_climb=largest_climb,
-        drone_size=drone_size,
-        danger_distance=danger_distance,
-        coordinates=coordinates,
-    )
+    given = {
+        "altitude": altitude,
+        "largest_turn": largest_turn,
+        "largest_climb": largest_climb,
+        "drone_size": drone_size,
+        "danger_distance": danger_distance,
+    }
+    limits = cast(Limits, {name: value for name, value in given.items() if value is not None})
+    task = _task(where, start, goal, threats, coordinates, limits)
     require_places(outputs, task)
     search = FlightSearch(task, optimizer, controller, seed, began)
     search.begin()
@@ -134,27 +132,11 @@ def _task(
     where: str | Path | TerrainScenario,
     start: Point3 | None,
     goal: Point3 | None,
-    *,
     threats: str | Path | None,
     coordinates: str | None,
-    altitude: tuple[float, float] | None,
-    largest_turn: float | None,
-    largest_climb: float | None,
-    drone_size: float | None,
-    danger_distance: float | None,
+    limits: Limits,
 ) -> Survey:
     """Return the task of a flight; see `plan_flight`."""
-    limits = Limits()
-    if altitude is not None:
-        limits["altitude"] = altitude
-    if largest_turn is not None:
-        limits["largest_turn"] = largest_turn
-    if largest_climb is not None:
-        limits["largest_climb"] = largest_climb
-    if drone_size is not None:
-        limits["drone_size"] = drone_size
-    if danger_distance is not None:
-        limits["danger_distance"] = danger_distance
     if not is_elevation(where):
         given = {"start": start, "goal": goal, "threats": threats, "coordinates": coordinates}
         return _named(where, given, limits)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE
+from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE, kind_of_system
 
 Floats = NDArray[np.float64]
 
@@ -59,14 +59,20 @@ class Elevation(NamedTuple):
         return found
 
 
-def guessed_kind(elevation: Elevation) -> str:
-    """Return the kind of the coordinates of a file that names no reference system.
+def with_kind(elevation: Elevation) -> Elevation:
+    """Return an elevation model with the kind of coordinates of its reference system.
 
-    They are degrees if they can be, and posts are closer than `FINEST_METRES`.
+    Without one, coordinates are degrees if they can be, and posts are closer than `FINEST_METRES`.
+
+    Raises:
+        ScenarioError: if the system has another unit than degrees or metres, or is none.
+        MissingExtraError: if the file names a system, and pyproj is missing.
     """
+    if elevation.system:
+        return elevation._replace(kind=kind_of_system(str(elevation.path), elevation.system))
     x_min, y_min, x_max, y_max = elevation.box
     can_be = max(abs(x_min), abs(x_max)) <= 180.5 and max(abs(y_min), abs(y_max)) <= 90.5
-    return GEOGRAPHIC if can_be and max(elevation.spacing) < FINEST_METRES else PLANE
+    return elevation._replace(kind=GEOGRAPHIC if can_be and max(elevation.spacing) < FINEST_METRES else PLANE)
 
 
 def require_posts(path: Path, rows: int, columns: int) -> None:

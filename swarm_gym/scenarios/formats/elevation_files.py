@@ -18,8 +18,8 @@ import numpy as np
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.formats import esri_grid
 from swarm_gym.scenarios.formats.data_files import open_file
-from swarm_gym.scenarios.formats.elevation import Elevation, guessed_kind, require_posts
-from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, PLANE, kind_of_system
+from swarm_gym.scenarios.formats.elevation import Elevation, require_posts, with_kind
+from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 
 SIDES = (1201, 3601)  # of 3 and 1 seconds of arc
 GAP = -32768
@@ -112,8 +112,7 @@ def _content_of_geotiff(path: Path, file: Any) -> Elevation:
     system = None if file.crs is None else file.crs.to_wkt()
     west, north = place.c + place.a / 2.0, place.f + place.e / 2.0
     south = north + place.e * (file.height - 1)
-    found = Elevation(path, values[::-1], (west, south), (place.a, -place.e), PLANE, system)
-    return found._replace(kind=kind_of_system(str(path), system) if system else guessed_kind(found))
+    return with_kind(Elevation(path, values[::-1], (west, south), (place.a, -place.e), system=system))
 
 
 READERS: dict[str, Callable[[Path], Elevation]] = {  # endings in any case

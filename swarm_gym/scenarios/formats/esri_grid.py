@@ -12,8 +12,7 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.formats.data_files import open_file
-from swarm_gym.scenarios.formats.elevation import MAX_FILE, Elevation, Floats, guessed_kind, require_posts
-from swarm_gym.scenarios.formats.geographic import PLANE, kind_of_system
+from swarm_gym.scenarios.formats.elevation import MAX_FILE, Elevation, Floats, require_posts, with_kind
 
 KEYS = (
     "ncols",
@@ -60,9 +59,8 @@ def read(path: Path) -> Elevation:
         )
     heights[heights == head.get("nodata_value", NO_DATA)] = np.nan
     heights[~np.isfinite(heights)] = np.nan
-    system = _system(path)
-    found = Elevation(path, heights.reshape(rows, columns)[::-1], (x, y), (dx, dy), PLANE, system)
-    return found._replace(kind=kind_of_system(str(path), system) if system else guessed_kind(found))
+    heights = heights.reshape(rows, columns)[::-1]
+    return with_kind(Elevation(path, heights, (x, y), (dx, dy), system=_system(path)))
 
 
 def _split(path: Path, content: bytes) -> tuple[dict[str, float], bytes]:
