@@ -20,7 +20,7 @@ WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 # Rows over terrain of 100,000 evaluations, without planned flights and with them.
 UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
-PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned" "linear reduction, waypoints, guided" "L-SHADE, learned" "planned flight"
+PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned" "linear reduction, waypoints, guided" "linear reduction, shifted, guided" "multivariate, shifted, guided" "L-SHADE, learned" "planned flight"
 # Of each library the row with the least mean excess after 2,500 evaluations.
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 # Tables over terrain share their runs. Run again, these commands make no run: they measure all tables from the
@@ -29,7 +29,7 @@ TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --keep-best --runs-fold
 define OVER_TERRAIN
 $(TERRAIN) --evaluations 100000 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --output results/terrain/longest
 $(TERRAIN) --evaluations 100000 --policy-runs 3 --peer-runs 1 --rows $(PLANNED) $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longest-guided
-$(TERRAIN) --evaluations 20000 --without cmaes pymoo niapy mealpy "blind schedule" learned --output results/terrain/longer
+$(TERRAIN) --evaluations 20000 --without cmaes pymoo niapy mealpy "blind schedule" learned "shifted, uniform" --output results/terrain/longer
 $(TERRAIN) --evaluations 20000 --policy-runs 7 --peer-runs 1 --rows guided "planned flight" "linear reduction" $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longer-guided
 $(TERRAIN) --evaluations 2500 --peer-runs 31 --output results/terrain/all
 endef

@@ -120,7 +120,9 @@ def _control(
     used: set[Path],
 ) -> list[Table]:
     """Return the table of controllers, if policies have rivals and their flights have a measure."""
-    controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
+    # Policies were trained with planned flights of even waypoints.
+    guided = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
+    controlled = [row for row in guided if row.encoding == "waypoints"]
     controlled.sort(key=lambda row: [*SIZES].index(row.optimizer))
     learned = {row.optimizer for row in controlled if row.is_learned}
     unlearned = [row for row in controlled if not row.is_learned and row.optimizer in learned]

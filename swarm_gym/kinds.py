@@ -145,9 +145,10 @@ KINDS: dict[type, Kind] = {
         "flights over terrain",
         {
             "waypoints": ("encoding", "num_waypoints", "cost"),
+            "shifted": ("encoding", "num_waypoints", "cost"),
             "spherical": ("encoding", "num_waypoints", "cost"),
         },
-        sourced=("waypoints", "spherical"),
+        sourced=("waypoints", "shifted", "spherical"),
         defaults=(("num_waypoints", 10),),
     ),
     # Before the test functions, which they are subclasses of: their problem tables are others.

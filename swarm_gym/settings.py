@@ -26,11 +26,11 @@ class Settings:
         scenario: name of a scenario, a scenario, or a list of these; a name with a range of numbers stands
             for all of them. Each episode draws one of the scenarios by its seed. All must be of one kind.
         encoding: how decision vectors are read: "waypoints"; on grid maps also "bezier"; or "walk", as points
-            that a walk over free cells has reached; over terrain also "spherical", as steps with a climb and
-            a heading. The default is the first of `Optimizer.encodings`. Test functions take vectors as they
-            are.
-        num_waypoints: n, number of waypoints of a path, at least 1; over terrain at least 4, and 10 where
-            nothing else is asked for.
+            that a walk over free cells has reached; over terrain also "shifted", as waypoints that move along
+            the line, too, and "spherical", as steps with a climb and a heading. The default is the first of
+            `Optimizer.encodings`. Test functions take vectors as they are.
+        num_waypoints: n, number of waypoints of a path, at least 1. Over terrain it is at least 4, or 6 with
+            the encoding "shifted", and 10 where nothing else is asked for.
         num_control_points: number of control points of a Bezier curve, without start and target, at least 1.
         length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
         penalty: lambda, at least 0: the fitness that each of about 1000 equal parts of a path costs on grid

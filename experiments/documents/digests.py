@@ -135,6 +135,7 @@ def digests_of_terrain(names: Iterable[str] | None = None) -> dict[str, str]:
         else:
             budget = row.iterations, row.evaluations  # `longer` decides which runs there are, and no result
             described = [row.label, row.optimizer, row.source, row.controllers, *budget]
+            described += [row.encoding] if row.encoding != "waypoints" else []
             # A blinded policy follows from a policy, which has a row, and runs of it.
             plain = [name for name in row.controllers if ControllerName.parse(name).family != BLINDED]
             deciding = [controller_of(row, name, EVALUATIONS).identity() for name in plain]

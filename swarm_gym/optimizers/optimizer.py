@@ -44,7 +44,7 @@ class Optimizer:
     parameters: ClassVar[dict[str, Parameter]]
     defaults: ClassVar[Parameters]
     smallest_population: ClassVar[int] = 1
-    encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier", "spherical")
+    encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier", "shifted", "spherical")
     adopts: ClassVar[bool] = True
     begins_with_robot: ClassVar[bool] = False
     evaluations_per_member: ClassVar[float] = 1.0

@@ -42,31 +42,32 @@ def waypoints(scenario, encoding, vector):
     """Return (x, y, altitude above ground) from start to goal."""
     (x, y, above), (goal_x, goal_y, goal_above) = scenario.start, scenario.goal
     heading = math.atan2(goal_y - y, goal_x - x)
-    x_min, y_min, x_max, y_max = scenario.workspace
-    lowest, highest = scenario.band
     found = [(x, y, above)]
-    if encoding == "waypoints":
-        n = len(vector) // 2
+    if encoding in ("waypoints", "shifted"):
+        groups = 3 if encoding == "shifted" else 2
+        n = len(vector) // groups
         for k in range(1, n + 1):
             share, sideways, up = k / (n + 1), vector[k - 1], vector[n + k - 1]
-            found.append(
-                (
-                    x + share * (goal_x - x) - sideways * math.sin(heading),
-                    y + share * (goal_y - y) + sideways * math.cos(heading),
-                    above + share * (goal_above - above) + up,
-                )
-            )
+            forwards = vector[2 * n + k - 1] if encoding == "shifted" else 0.0
+            to_x = x + share * (goal_x - x) + forwards * math.cos(heading) - sideways * math.sin(heading)
+            to_y = y + share * (goal_y - y) + forwards * math.sin(heading) + sideways * math.cos(heading)
+            found.append(clipped(scenario, to_x, to_y, above + share * (goal_above - above) + up))
     else:
         for r, psi, phi in np.reshape(vector, (-1, 3)):
             x, y, above = found[-1]
             x += r * math.cos(psi) * math.cos(phi)
             y += r * math.cos(psi) * math.sin(phi)
             above += r * math.sin(psi)
-            found.append((x, y, above))
-            found[-1] = (min(max(x, x_min), x_max), min(max(y, y_min), y_max), found[-1][2])
-            found[-1] = (*found[-1][:2], min(max(above, lowest), highest))
+            found.append(clipped(scenario, x, y, above))
     found.append(scenario.goal)
     return found
+
+
+def clipped(scenario, x, y, above):
+    """Return the waypoint on the map and in the band that is nearest to one."""
+    x_min, y_min, x_max, y_max = scenario.workspace
+    lowest, highest = scenario.band
+    return min(max(x, x_min), x_max), min(max(y, y_min), y_max), min(max(above, lowest), highest)
 
 
 def polyline(scenario, encoding, vector):

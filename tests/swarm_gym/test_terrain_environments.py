@@ -15,6 +15,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 from swarm_gym.worlds import make_problem
 
 SMALL = {"initial_population_size": 8, "max_population_size": 12, "iterations": 6}
+ENCODINGS = ("waypoints", "shifted", "spherical")
 OF_VECTORS = sorted(name for name in ALL_OPTIMIZERS if "spherical" in get_optimizer(name).encodings)
 
 
@@ -44,7 +45,7 @@ def test_gymnasium_checker_passes():
 
 @looped(
     "options",
-    [{}, {"encoding": "spherical"}, {"cost": "metabox"}, {"encoding": "spherical", "cost": "metabox"}],
+    [{"encoding": encoding, "cost": cost} for encoding in ENCODINGS for cost in ("documented", "metabox")],
 )
 @pytest.mark.parametrize("source", ["uniform", "smooth"])
 def test_the_best_flight_is_that_of_the_problem(options, source):
@@ -135,7 +136,7 @@ def test_a_picture_shows_ground_and_threats_from_above():
 
 
 def test_guided_members_lie_beside_planned_flights_which_are_better_than_smooth_ones():
-    for encoding in ("waypoints", "spherical"):
+    for encoding in ENCODINGS:
         means = {}
         for source in ("smooth", "guided"):
             env = small(scenario=rolling_terrain(2), source=source, encoding=encoding)
@@ -147,7 +148,7 @@ def test_guided_members_lie_beside_planned_flights_which_are_better_than_smooth_
 @pytest.mark.slow
 @pytest.mark.parametrize("optimizer", OF_VECTORS)
 def test_every_optimizer_of_vectors_flies(optimizer):
-    for encoding in ("waypoints", "spherical"):
+    for encoding in ENCODINGS:
         env = small(optimizer, encoding=encoding, iterations=60)
         _, begun = env.reset(seed=3)
         info = last_info(env, size=12.0, degree=0.5, seed=3)

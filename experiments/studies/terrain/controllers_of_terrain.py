@@ -4,7 +4,14 @@ from collections.abc import Sequence
 
 from experiments.runs.episode import controller_of as controller_of_name
 from experiments.studies.controllers import with_budget
-from experiments.studies.terrain.rows import AnyRow, ControlledRow, PlannedRow, peer_rows, swarm_rows
+from experiments.studies.terrain.rows import (
+    PLANNED,
+    AnyRow,
+    ControlledRow,
+    PlannedRow,
+    peer_rows,
+    swarm_rows,
+)
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.learned.policy_file import policies_of
@@ -51,13 +58,18 @@ def rule_rows() -> list[AnyRow]:
             (REDUCTION,),
             evaluations=EVALUATIONS,
             iterations=REDUCING_ITERATIONS,
+            encoding=encoding,
         )
-        for source in ("uniform", "guided")
+        for encoding, source in (("waypoints", "uniform"), ("waypoints", "guided"), ("shifted", "guided"))
     ]
     found.append(ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)))
     for optimizer, tuned in TUNED_RULES.items():
         found.append(ControlledRow("SPSFA-TIP", optimizer, "guided", (RULE,)))
         found.append(ControlledRow("SPSFA-TIP, tuned", optimizer, "guided", (tuned,)))
+    tuned = TUNED_RULES["differential-evolution"]
+    found.append(
+        ControlledRow("SPSFA-TIP, tuned", "differential-evolution", "guided", (tuned,), encoding="shifted")
+    )
     return found
 
 
@@ -87,7 +99,8 @@ def learned_rows() -> list[AnyRow]:
 
 def rows() -> list[AnyRow]:
     """Return all rows of this study."""
-    return [*swarm_rows(), *rule_rows(), *blind_rows(), *learned_rows(), *peer_rows(), PlannedRow()]
+    planned = [PlannedRow(encoding) for encoding in PLANNED]
+    return [*swarm_rows(), *rule_rows(), *blind_rows(), *learned_rows(), *peer_rows(), *planned]
 
 
 def controller_of(row: ControlledRow, name: str, evaluations: int) -> Controller:

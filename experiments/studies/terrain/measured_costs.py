@@ -94,8 +94,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
         used: the files of these runs are added to it.
     """
     scenario = make_scenario(terrain)
-    encoding = row.encoding if isinstance(row, Row | PeerRow) else "waypoints"
-    problem = make_problem(scenario, encoding=encoding, cost=asked.cost)
+    problem = make_problem(scenario, encoding=row.encoding, cost=asked.cost)
     runs = asked.runs_of(row)
     found: list[list[float]] = []
     for evaluations in asked.evaluations:
@@ -109,7 +108,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
             seeds = TEST[known.runs : runs]
             known = _added(known, _flights(row, problem, terrain, asked.cost, evaluations, seeds), len(seeds))
             content = {"terrain": terrain, "cost": asked.cost, "row": row.name, "evaluations": evaluations}
-            flight = {"encoding": encoding, "vector": known.vector}
+            flight = {"encoding": row.encoding, "vector": known.vector}
             folder.mkdir(parents=True, exist_ok=True)
             found_now = {"costs": known.costs, "flight": flight, "provenance": provenance()}
             whole = {"asked": {**identity, "runs": runs}, **content, **found_now}
@@ -232,5 +231,6 @@ def _options(row: Row | ControlledRow, evaluations: int) -> dict[str, Any]:
     """Return further options of the environments of a row."""
     if isinstance(row, Row):
         return {"encoding": row.encoding, "iterations": evaluations}
-    smallest = get_optimizer(row.optimizer).smallest_population
-    return {"iterations": row.iterations_of(evaluations), "min_population_size": max(2, smallest)}
+    smallest = max(2, get_optimizer(row.optimizer).smallest_population)
+    iterations = row.iterations_of(evaluations)
+    return {"encoding": row.encoding, "iterations": iterations, "min_population_size": smallest}

@@ -19,8 +19,11 @@ VECTORS = (
     ("waypoints", "uniform"),
     ("waypoints", "smooth"),
     ("waypoints", "guided"),
+    ("shifted", "uniform"),
+    ("shifted", "guided"),
 )
-PLANNED = "planned flight, no swarm"
+# The planned flight alone, by its encoding.
+PLANNED = {"waypoints": "planned flight, no swarm", "shifted": "planned flight, shifted, no swarm"}
 # Optimizers of other libraries, keys of `experiments.studies.libraries.PEERS`.
 PEERS = (
     "cmaes CMA-ES", "pymoo PSO", "pymoo DE", "niapy PSO", "niapy L-SHADE", "mealpy PSO", "mealpy L-SHADE"
@@ -82,14 +85,19 @@ class PlannedRow(NamedTuple):
     """The planned flight alone, which no swarm improves.
 
     Attributes:
-        name: name of the row in tables.
+        encoding: name of the encoding.
     """
 
-    name: str = PLANNED
+    encoding: str = "waypoints"
+
+    @property
+    def name(self) -> str:
+        """Name of the row in tables."""
+        return PLANNED[self.encoding]
 
 
 class ControlledRow(NamedTuple):
-    """A row whose population sizes, and perhaps more, a controller decides; with waypoints.
+    """A row whose population sizes, and perhaps more, a controller decides.
 
     Attributes:
         label: name of the kind of controller in tables.
@@ -100,6 +108,7 @@ class ControlledRow(NamedTuple):
         iterations: most iterations of an episode with this budget, and in proportion with others; None is as
             many as evaluations.
         longer: whether there are episodes with other budgets.
+        encoding: name of the encoding.
     """
 
     label: str
@@ -109,6 +118,7 @@ class ControlledRow(NamedTuple):
     evaluations: int | None = None
     iterations: int | None = None
     longer: bool = True
+    encoding: str = "waypoints"
 
     @property
     def is_learned(self) -> bool:
@@ -133,7 +143,7 @@ class ControlledRow(NamedTuple):
     @property
     def name(self) -> str:
         """Name of the row in tables."""
-        return f"{self.controlled_name}, waypoints, {self.source}"
+        return f"{self.controlled_name}, {self.encoding}, {self.source}"
 
 
 AnyRow = Row | PeerRow | PlannedRow | ControlledRow

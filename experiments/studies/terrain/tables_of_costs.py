@@ -18,32 +18,34 @@ SHOWN = (
     "PSO, spherical, uniform", "L-SHADE, spherical, uniform", "L-SHADE, waypoints, smooth",
     "L-SHADE, waypoints, guided", "CMA-ES, waypoints, guided", "fireflies, waypoints, guided",
     "fireflies, SPSFA-TIP, waypoints, guided", "multivariate, waypoints, guided",
+    "multivariate, shifted, guided", "L-SHADE, shifted, guided",
+    "L-SHADE, linear reduction, shifted, guided", "L-SHADE, SPSFA-TIP, tuned, shifted, guided",
     "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, size and phi, waypoints, guided",
-    "L-SHADE, learned, with sources, waypoints, guided", *FIRST_OF_LIBRARIES, PLANNED,
+    "L-SHADE, learned, with sources, waypoints, guided", *FIRST_OF_LIBRARIES, *PLANNED.values(),
 )  # fmt: skip
 
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
-    "L-SHADE, blind schedule, with sources, waypoints, guided",
-    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided",
-    "L-SHADE, learned, with sources, waypoints, guided", "L-SHADE, waypoints, guided",
-    "multivariate, waypoints, guided", "fireflies, waypoints, guided", PLANNED,
+    "L-SHADE, SPSFA-TIP, tuned, shifted, guided", "multivariate, shifted, guided",
+    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided",
+    "L-SHADE, waypoints, guided", *PLANNED.values(),
     "multivariate, waypoints, smooth", "mealpy L-SHADE, waypoints", "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of that page after more evaluations.
 LONGER = (
-    "L-SHADE, linear reduction, waypoints, guided", "L-SHADE, waypoints, guided",
-    "multivariate, waypoints, guided", "fireflies, waypoints, guided", "CMA-ES, waypoints, guided",
-    "L-SHADE, waypoints, smooth", "multivariate, waypoints, smooth", "L-SHADE, waypoints, uniform",
+    "L-SHADE, linear reduction, shifted, guided", "L-SHADE, shifted, guided",
+    "multivariate, shifted, guided", "L-SHADE, linear reduction, waypoints, guided",
+    "multivariate, waypoints, guided", "fireflies, waypoints, guided",
+    "L-SHADE, waypoints, smooth", "multivariate, waypoints, smooth",
     "L-SHADE, spherical, uniform", "PSO, spherical, uniform",
 )  # fmt: skip
 
 
 # Rows of docs/terrain-budgets.md, after 20,000 evaluations and after 100,000; its appendix has all.
 BUDGETS = (
-    "L-SHADE, linear reduction, waypoints, guided", "L-SHADE, waypoints, guided",
-    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, size and phi, waypoints, guided",
-    "L-SHADE, learned, with sources, waypoints, guided", PLANNED,
+    "L-SHADE, linear reduction, shifted, guided", "L-SHADE, linear reduction, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided",
+    "L-SHADE, learned, with sources, waypoints, guided", *PLANNED.values(),
     "cmaes CMA-ES, spherical", "pymoo DE, waypoints", "mealpy L-SHADE, waypoints",
 )  # fmt: skip
 COSTS_AFTER_20_000 = (*BUDGETS, "L-SHADE, linear reduction, waypoints, uniform")

@@ -1,9 +1,13 @@
 """Smooth members of flights: bends sideways and upwards, of the kinds of `problem.geometry.bends`.
 
-Both bends are drawn on their own. The largest offset sideways is a share of amplitude times the width of the
-map. That upwards is a share of amplitude times the height of the band. Around the line these shares are
-uniform. Around planned flights they are third powers of uniform shares, since small offsets often touch a
-threat or the ground: with uniform ones, swarms were behind the planned flights after 2,500 evaluations.
+Bends are drawn on their own. The largest offset sideways is a share of amplitude times the width of the map.
+That upwards is a share of amplitude times the height of the band. The encoding `shifted` has a bend along the
+line, too, of the first two harmonics. Its largest offset is a share of amplitude times the range of these
+offsets.
+
+Around the line these shares are uniform. Around planned flights they are third powers of uniform shares,
+since small offsets often touch a threat or the ground: with uniform ones, swarms were behind the planned
+flights after 2,500 evaluations.
 """
 
 import math
@@ -12,18 +16,31 @@ from swarm_gym.compiler.elementary import logarithm, sine_and_cosine
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.bends import HARMONICS, NUM_HARMONICS, NUM_MODES
 from swarm_gym.problem.padding import Floats
-from swarm_gym.problem.terrain.table import ABOVE, HIGHEST, LOWEST, WAYPOINTS, TerrainTable, X, Y
+from swarm_gym.problem.terrain.table import (
+    ABOVE,
+    HIGHEST,
+    LARGEST_SHIFT,
+    LOWEST,
+    SHIFTED,
+    SPHERICAL,
+    TerrainTable,
+    X,
+    Y,
+)
 from swarm_gym.problem.terrain.waypoints import clipped, head_for, waypoint
 
-# Random numbers: for the middle flight, then the largest offset and the coefficients of each bend.
+# Random numbers: for the middle flight, then the largest offset and the coefficients of each bend. Those of
+# the bend along the line follow, if there is one.
 NUM_NUMBERS = 1 + 2 * (1 + NUM_MODES)
+NUM_MORE_NUMBERS = 3
 
 
 @kernel(borrows=True)
 def draw_flight(table: TerrainTable, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
     """Write a smooth flight into a path, (C + 1,); arguments are as in `geometry.bends.draw_bend`.
 
-    `noise` has at least `NUM_NUMBERS` numbers, which are used up.
+    `noise` has at least `NUM_NUMBERS` numbers, which are used up. With the encoding `shifted` it has
+    `NUM_MORE_NUMBERS` more.
     """
     n, num_middles = table.num_waypoints, table.middles.shape[0]
     middle = min(int(noise[0] * num_middles), num_middles - 1)
@@ -33,10 +50,12 @@ def draw_flight(table: TerrainTable, amplitude: float, kind: int, noise: Floats,
     _draw_offsets(table, 0, kind, amplitude * table.width, noise, path)
     band = table.band[HIGHEST] - table.band[LOWEST]
     _draw_offsets(table, 1, kind, amplitude * band, noise, path)
-    for k in range(2 * n):
+    if table.encoding == SHIFTED:
+        _draw_shifts(table, amplitude * 2.0 * LARGEST_SHIFT * table.spacing, noise, path)
+    for k in range(table.middles.shape[1]):
         noise[k] = table.middles[middle, k] + path[k + 1]
-    if table.encoding == WAYPOINTS:
-        for k in range(2 * n):
+    if table.encoding < SPHERICAL:
+        for k in range(table.middles.shape[1]):
             path[k + 1] = clipped(noise[k], table.lower[k], table.upper[k])
         return
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
@@ -86,4 +105,21 @@ def _draw_offsets(
         height = max(height, abs(offset))
     scale = noise[first - 1] * largest / height if height > 0.0 else 0.0
     for k in range(component * n + 1, (component + 1) * n + 1):
+        path[k] = path[k] * scale
+
+
+@kernel(borrows=True)
+def _draw_shifts(table: TerrainTable, largest: float, noise: Floats, path: Floats) -> None:
+    """Write the offsets of a bend along the line into a path: its last n components."""
+    n, share = table.num_waypoints, noise[NUM_NUMBERS]
+    if table.middles.shape[0] > 1:
+        share *= share * share
+    first, second = 2.0 * noise[NUM_NUMBERS + 1] - 1.0, 2.0 * noise[NUM_NUMBERS + 2] - 1.0
+    height = 0.0
+    for k in range(n):
+        offset = first * table.modes[HARMONICS, 0, k] + second * table.modes[HARMONICS, 1, k]
+        path[2 * n + k + 1] = offset
+        height = max(height, abs(offset))
+    scale = share * largest / height if height > 0.0 else 0.0
+    for k in range(2 * n + 1, 3 * n + 1):
         path[k] = path[k] * scale

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.problem.padding import columns
 from swarm_gym.problem.problem import Problem
-from swarm_gym.problem.terrain.bends import NUM_NUMBERS
+from swarm_gym.problem.terrain.bends import NUM_MORE_NUMBERS, NUM_NUMBERS
 from swarm_gym.problem.terrain.cost import TERMS, WEIGHTS, costs_entry, terms_entry
 from swarm_gym.problem.terrain.table import COSTS, ENCODINGS, SIZES, TerrainTable, tabulate
 from swarm_gym.problem.terrain.waypoints import flights
@@ -18,9 +18,10 @@ from swarm_gym.scenarios import TerrainScenario
 
 Floats = NDArray[np.float64]
 
-# Smallest number of waypoints, for which random numbers of a member suffice for two bends, and largest one.
-MIN_WAYPOINTS, MAX_WAYPOINTS = 4, 300
+# Smallest numbers of waypoints, for which random numbers of a member suffice for its bends, and the largest.
+MIN_WAYPOINTS, MIN_SHIFTED, MAX_WAYPOINTS = 4, 6, 300
 assert columns(2 * MIN_WAYPOINTS) >= NUM_NUMBERS
+assert columns(3 * MIN_SHIFTED) >= NUM_NUMBERS + NUM_MORE_NUMBERS
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class TerrainProblem(Problem):
         num_waypoints: n, number of waypoints between start and goal.
         cost: a name in `swarm_gym.problem.terrain.table.COSTS`.
         ways: (K, 2 n) the flights that smooth new members lie next to. They are offsets sideways and upwards
-            from the start-goal line in any encoding; None is the line.
+            from the start-goal line in any encoding, and (K, 3 n) with those forwards for `shifted`. None is
+            the line.
     """
 
     scenario: TerrainScenario
@@ -45,7 +47,8 @@ class TerrainProblem(Problem):
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
         look_up("cost", self.cost, COSTS)
-        require_integer("num_waypoints", self.num_waypoints, MIN_WAYPOINTS, MAX_WAYPOINTS)
+        least = MIN_SHIFTED if self.encoding == "shifted" else MIN_WAYPOINTS
+        require_integer("num_waypoints", self.num_waypoints, least, MAX_WAYPOINTS)
 
     @property
     def dimension(self) -> int:

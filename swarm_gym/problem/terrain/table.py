@@ -3,11 +3,13 @@
 | encoding | components of a decision vector |
 |---|---|
 | `waypoints` | n offsets to the left of the start-goal line, then n upwards from the line's altitude |
+| `shifted` | the same, then n offsets forwards along the line |
 | `spherical` | r, psi and phi of each of n steps: length, climb and heading |
 
-Waypoints of the first stand evenly spaced along the line. Altitudes are above ground. Spherical steps come
-from M. D. Phung, Q. P. Ha, "Safety-enhanced UAV path planning with spherical vector-based particle swarm
-optimization", Applied Soft Computing 107, 2021; docs/readings.md says what is read how.
+Waypoints of the first stand evenly spaced along the line; those of the second move along it. Altitudes are
+above ground. Spherical steps come from M. D. Phung, Q. P. Ha, "Safety-enhanced UAV path planning with
+spherical vector-based particle swarm optimization", Applied Soft Computing 107, 2021; docs/readings.md says
+what is read how.
 """
 
 import math
@@ -23,13 +25,16 @@ from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, offset_bounds
 from swarm_gym.problem.padding import Floats, Integers, Real, Whole, pad
 from swarm_gym.scenarios import TerrainScenario
 
-# Numbers of encodings. Published code swaps the axes of headings, see `tabulate`.
-WAYPOINTS, SPHERICAL, SWAPPED = range(3)
-ENCODINGS = {"waypoints": WAYPOINTS, "spherical": SPHERICAL}
+# Numbers of encodings; those before `SPHERICAL` have offsets from the line. Published code swaps the axes of
+# headings, see `tabulate`.
+WAYPOINTS, SHIFTED, SPHERICAL, SWAPPED = range(4)
+ENCODINGS = {"waypoints": WAYPOINTS, "shifted": SHIFTED, "spherical": SPHERICAL}
 DOCUMENTED, METABOX = range(2)
 COSTS = {"documented": DOCUMENTED, "metabox": METABOX}
-SIZES = {WAYPOINTS: 2, SPHERICAL: 3, SWAPPED: 3}  # components of a waypoint
+SIZES = {WAYPOINTS: 2, SHIFTED: 3, SPHERICAL: 3, SWAPPED: 3}  # components of a waypoint
 
+# Largest offsets forwards and backwards, in the first population and later, in distances between waypoints.
+FIRST_SHIFT, LARGEST_SHIFT = 0.5, 2.0
 # Largest climb and deviation of the heading of a spherical step, in radians.
 REACH = math.pi / 4.0
 # Cells along a side of the blocks whose lowest and highest ground is known. Blocks tile the map.
@@ -57,15 +62,17 @@ class TerrainTable(NamedTuple, Generic[Whole, Real]):
     dimension: Whole  # D
     lower: Floats  # (C,) bounds of decision vectors
     upper: Floats  # (C,)
-    initial_lower: Floats  # (C,) bounds of the first population: the same
+    initial_lower: Floats  # (C,) bounds of the first population: narrower if waypoints are shifted
     initial_upper: Floats  # (C,)
-    encoding: Whole  # WAYPOINTS, SPHERICAL or SWAPPED
+    encoding: Whole  # WAYPOINTS, SHIFTED, SPHERICAL or SWAPPED
     cost: Whole  # DOCUMENTED or METABOX
     num_waypoints: Whole  # n
     spacing: Real  # distance between waypoints along the line, seen from above
     forward: Floats  # (2,) unit vector along the line, seen from above
     width: Real  # largest extent of the map across the line, at a waypoint
-    middles: Floats  # (K, 2 n) offsets sideways and upwards of the flights that smooth bends lie next to
+    middles: (
+        Floats  # (K, 2 n) offsets of the flights that smooth bends lie next to; (K, 3 n) if they are shifted
+    )
     modes: Floats  # (2, NUM_MODES, n) modes of smooth bends
     ends: Floats  # (2, 3) x, y and altitude of start and goal
     extent: Floats  # (4,) of the map
@@ -129,39 +136,43 @@ def tabulate(
         encoding: a value of `ENCODINGS`.
         cost: a value of `COSTS`.
         num_waypoints: n.
-        ways: (K, 2 n) the flights that smooth bends lie next to, as offsets sideways and upwards; the
-            start-goal line if there are none.
+        ways: (K, 2 n) the flights that smooth bends lie next to, as offsets sideways and upwards, and
+            (K, 3 n) with those forwards for `shifted`; the start-goal line if there are none.
     """
     axes = axes_of(scenario)
     length = plan_length(scenario)
     spacing = length / (num_waypoints + 1)
     x = spacing * np.arange(1.0, num_waypoints + 1)
     low, high = offset_bounds(axes, x, scenario.workspace)
-    if encoding == WAYPOINTS:
+    if encoding < SPHERICAL:
         along = np.arange(1.0, num_waypoints + 1) / (num_waypoints + 1)
         line = scenario.start[2] + (scenario.goal[2] - scenario.start[2]) * along
         lower = np.concatenate([low, scenario.band[LOWEST] - line])
         upper = np.concatenate([high, scenario.band[HIGHEST] - line])
+        first = lower, upper
+        if encoding == SHIFTED:
+            (lower, upper), first = _with_shifts(lower, upper, x, length)
     else:
         heading = arctangent(axes.sine, axes.cosine)
         longest = 2.0 * math.hypot(length, scenario.goal[2] - scenario.start[2]) / num_waypoints
         lower = np.tile([0.0, -REACH, heading - REACH], num_waypoints)
         upper = np.tile([longest, REACH, heading + REACH], num_waypoints)
+        first = lower, upper
         encoding = SWAPPED if cost == METABOX else SPHERICAL
     rows, columns = scenario.heights.shape
     return TerrainTable(
         len(lower),
         pad(lower),
         pad(upper),
-        pad(lower),
-        pad(upper),
+        pad(first[0]),
+        pad(first[1]),
         encoding,
         cost,
         num_waypoints,
         float(spacing),
         np.array([axes.cosine, axes.sine]),
         float((high - low).max()),
-        np.zeros((1, 2 * num_waypoints)) if ways is None else ways,
+        np.zeros((1, (3 if encoding == SHIFTED else 2) * num_waypoints)) if ways is None else ways,
         modes(num_waypoints),
         np.array([scenario.start, scenario.goal]),
         np.array(scenario.workspace),
@@ -176,6 +187,29 @@ def tabulate(
         _windows(scenario.heights),
         _threats(scenario),
     )
+
+
+def _with_shifts(
+    lower: Floats, upper: Floats, x: Floats, length: float
+) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Return bounds of offsets sideways, upwards and forwards, and those of the first population.
+
+    A waypoint may be as far from the line as the map is wide anywhere, since it moves along the line. Places
+    off the map are moved to its edge. No waypoint lies behind the start or beyond the goal.
+
+    Args:
+        lower: lower bounds of the offsets sideways and upwards of waypoints that are not shifted.
+        upper: upper bounds of the same.
+        x: places of these waypoints along the line.
+        length: length of the line, seen from above.
+    """
+    n, spacing = len(x), x[0]
+    first = np.full(n, FIRST_SHIFT * spacing)
+    back = np.minimum(LARGEST_SHIFT * spacing, x)
+    ahead = np.minimum(LARGEST_SHIFT * spacing, length - x)
+    lowest, highest = np.full(n, lower[:n].min()), np.full(n, upper[:n].max())
+    bounds = np.concatenate([lowest, lower[n:], -back]), np.concatenate([highest, upper[n:], ahead])
+    return bounds, (np.concatenate([lower, -first]), np.concatenate([upper, first]))
 
 
 def axes_of(scenario: TerrainScenario) -> RotatedAxes:

@@ -16,8 +16,9 @@ from swarm_gym.problem.terrain.table import (
     HIGHEST,
     LOWEST,
     REACH,
+    SHIFTED,
+    SPHERICAL,
     SWAPPED,
-    WAYPOINTS,
     X_MAX,
     X_MIN,
     Y_MAX,
@@ -42,8 +43,10 @@ def waypoint(
     n = table.num_waypoints
     if number > n:
         return table.ends[1, X], table.ends[1, Y], table.ends[1, ABOVE]
-    if table.encoding == WAYPOINTS:
+    if table.encoding < SPHERICAL:
         along, sideways = number * table.spacing, path[number]
+        if table.encoding == SHIFTED:
+            along += path[2 * n + number]
         share = number / (n + 1)
         to_x = table.ends[0, X] + along * table.forward[X] - sideways * table.forward[Y]
         to_y = table.ends[0, Y] + along * table.forward[Y] + sideways * table.forward[X]
@@ -81,7 +84,7 @@ def head_for(
         there: x, y and altitude of the place.
     """
     n = table.num_waypoints
-    if table.encoding == WAYPOINTS:
+    if table.encoding < SPHERICAL:
         dx, dy = there[0] - table.ends[0, X], there[1] - table.ends[0, Y]
         share = number / (n + 1)
         line = table.ends[0, ABOVE] + (table.ends[1, ABOVE] - table.ends[0, ABOVE]) * share
@@ -89,6 +92,10 @@ def head_for(
         path[n + number] = there[2] - line
         _keep(table, path, number)
         _keep(table, path, n + number)
+        if table.encoding == SHIFTED:
+            along = dx * table.forward[X] + dy * table.forward[Y]
+            path[2 * n + number] = along - number * table.spacing
+            _keep(table, path, 2 * n + number)
         return
     dx, dy, rise = there[0] - before[0], there[1] - before[1], there[2] - before[2]
     level = math.sqrt(dx * dx + dy * dy)

@@ -34,6 +34,7 @@ ASKED = Asked("metabox", (100, 200), 3, 3)
 # Other tests fly by this optimizer, too, so that it is compiled.
 ROW = Row("firefly", "waypoints", "guided")
 NONE = np.full(2, np.inf)
+EVEN = PLANNED["waypoints"]
 
 
 @pytest.fixture
@@ -99,7 +100,7 @@ def test_more_runs_are_added_to_those_that_are_stored(row, little_terrain, tmp_p
     assert stored[0]["flight"] == stored[1]["flight"]
 
 
-@pytest.mark.parametrize("row", [ROW, PlannedRow(), PeerRow("pymoo DE", "spherical")])
+@pytest.mark.parametrize("row", [ROW, PlannedRow(), PlannedRow("shifted"), PeerRow("pymoo DE", "spherical")])
 def test_the_best_flight_of_runs_is_kept_and_replaces_a_worse_one(row, little_terrain, tmp_path):
     runs, file = tmp_path / "runs", tmp_path / "known.json"
     asked = Asked("metabox", (200,), 2, 2)
@@ -137,19 +138,19 @@ def test_tables_have_excess_over_the_best_and_count_firsts():
     one = np.array([[[10.0, 12.0], [10.0, 10.0]], [[40.0, 40.0], [30.0, 20.0]]])
     other = np.array([[[20.0, 20.0], [20.0, 20.0]], [[30.0, 30.0], [25.0, 25.0]]])
     asked = Asked("metabox", (100, 200), 2, 2)
-    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, NONE)
+    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, NONE)
     found = {str(row[0]): [cell.numbers["value"] for cell in row[1:6]] for row in short.rows}
     assert found["PSO, one"] == pytest.approx([55.0, 60.0, 12.5, 0.0, 1])
-    assert found[PLANNED] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
-    assert [str(row[0]) for row in short.rows] == ["PSO, one", PLANNED]
+    assert found[EVEN] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
+    assert [str(row[0]) for row in short.rows] == ["PSO, one", EVEN]
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [10.0, 20.0]
     known = np.array([5.0, np.inf])
-    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, known)
+    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, known)
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 20.0]
     assert short.rows[0][1].numbers["value"] == pytest.approx(110.0)
     # A cheaper flight of the runs is no known one: it was refused, or waits for `--keep-best`.
     known = np.array([5.0, 80.0])
-    short, by_terrain = tables({"PSO, one": one, PLANNED: other}, ["a", "b"], asked, known)
+    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, known)
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 80.0]
     assert short.rows[0][1].numbers["value"] == pytest.approx((120.0 - 50.0) / 2.0)
 
@@ -279,9 +280,8 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
 
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
-    assert (
-        len(rows()) == 4 * len(SIZES) + 2 * len(libraries.installed(PEERS)) + 7 + 6 + len(learned_rows()) + 1
-    )
+    others = 2 * len(libraries.installed(PEERS)) + 9 + 6 + len(learned_rows()) + 2
+    assert len(rows()) == 6 * len(SIZES) + others
 
 
 # Of 2,500 evaluations the first population takes 100, which are not among the iterations.
@@ -316,7 +316,7 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
         terrains=(little_terrain,),
         evaluations=(100,),
         runs=2,
-        rows=("fireflies, waypoints", PLANNED),
+        rows=("fireflies, waypoints", EVEN),
         without=("uniform",),
     )
     files = command.write(config)
@@ -324,7 +324,7 @@ def test_the_command_writes_its_tables(little_terrain, tmp_path):
     text = files[0].read_text(encoding="utf-8")
     assert "fireflies, waypoints, guided" in text
     assert "fireflies, waypoints, uniform" not in text
-    assert PLANNED in text
+    assert EVEN in text
     assert "little" in files[1].read_text(encoding="utf-8")
     (record,) = records_in(tmp_path)
     assert record.commits
@@ -339,7 +339,7 @@ def test_tables_share_runs_and_know_the_commits_of_their_own(little_terrain, tmp
         terrains=(little_terrain,),
         evaluations=(100,),
         runs=2,
-        rows=(ROW.name, PLANNED),
+        rows=(ROW.name, EVEN),
     )
     command.write(config)
     assert not (tmp_path / "both" / "runs").exists()

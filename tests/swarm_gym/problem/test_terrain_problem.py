@@ -21,8 +21,8 @@ from swarm_gym.scenarios import TerrainScenario
 from swarm_gym.scenarios.terrain import generated, generator
 
 PUBLISHED = Path(__file__).parents[2] / "data" / "metabox-flights.npz"
-ENCODINGS = ("waypoints", "spherical")
-both_encodings = looped("encoding", ENCODINGS)
+ENCODINGS = ("waypoints", "shifted", "spherical")
+every_encoding = looped("encoding", ENCODINGS)
 
 
 def low_threats(seed=1):
@@ -176,7 +176,7 @@ def test_an_angle_below_its_limit_is_left_out_and_no_other(limit):
             assert compiled(_above)(table, 0, cross, dot) == pytest.approx(expected, rel=1e-12)
 
 
-@both_encodings
+@every_encoding
 def test_costs_of_many_vectors_are_the_fitness_of_each(encoding):
     for cost in ("documented", "metabox"):
         problem = TerrainProblem(low_threats(5), encoding, 10, cost)
@@ -234,7 +234,7 @@ def test_headings_of_published_code_are_mirrored():
     assert mirrored == pytest.approx(straight[::-1])
 
 
-@both_encodings
+@every_encoding
 def test_repair_frees_most_flights_and_leaves_free_ones_alone(encoding):
     freed = colliding = 0
     for scenario in (rolling_terrain(6, threats=2), low_threats(7)):
@@ -255,7 +255,7 @@ def test_repair_frees_most_flights_and_leaves_free_ones_alone(encoding):
     assert freed > 0.7 * colliding
 
 
-@both_encodings
+@every_encoding
 def test_smooth_members_bend_both_ways_and_reach_the_amplitude(encoding):
     problem = TerrainProblem(rolling_terrain(threats=0), encoding, 11)
     flights = problem.flights(list(smooth_flights(problem, 200, amplitude=0.1, seed=3)))
@@ -270,12 +270,47 @@ def test_smooth_members_bend_both_ways_and_reach_the_amplitude(encoding):
     assert abs(correlation) < 0.25
 
 
+def test_smooth_members_shift_waypoints_along_the_line_and_keep_their_order():
+    problem = TerrainProblem(rolling_terrain(threats=0), "shifted", 11)
+    flights = np.array([*smooth_flights(problem, 200, amplitude=0.1, seed=3)])
+    forwards, spacing = flights[:, 22:], problem.table.spacing
+    heights = abs(forwards).max(axis=1)
+    assert heights.max() <= 0.4 * spacing * (1.0 + 1e-9)
+    assert heights.mean() == pytest.approx(0.2 * spacing, rel=0.15)
+    assert (forwards.min(axis=1) < 0.0).mean() > 0.3
+    assert (np.diff(spacing * np.arange(1, 12) + forwards) > 0.0).all()
+    for group in (flights[:, :11], flights[:, 11:22]):
+        assert abs(np.corrcoef(group[:, 5], forwards[:, 5])[0, 1]) < 0.25
+
+
+def test_waypoints_are_shifted_at_most_by_two_distances_and_never_past_an_end():
+    problem = TerrainProblem(rolling_terrain(), "shifted", 6)
+    spacing, (low, high) = problem.table.spacing, problem.bounds
+    assert low[12:] == pytest.approx(spacing * np.array([-1.0, -2.0, -2.0, -2.0, -2.0, -2.0]))
+    assert high[12:] == pytest.approx(spacing * np.array([2.0, 2.0, 2.0, 2.0, 2.0, 1.0]))
+    table, even = problem.table, TerrainProblem(rolling_terrain(), "waypoints", 6).table
+    np.testing.assert_array_equal(table.initial_lower[:12], even.lower[:12])
+    np.testing.assert_array_equal(table.initial_upper[:12], even.upper[:12])
+    assert table.initial_upper[12:18] == pytest.approx(np.full(6, 0.5 * spacing))
+    assert (low <= table.initial_lower[:18]).all()
+    assert (high >= table.initial_upper[:18]).all()
+    assert problem.points(np.where(np.arange(18) < 12, 0.0, low))[1] == pytest.approx((30.0, 40.0))
+
+
+def test_flights_without_shifts_are_those_of_even_waypoints():
+    even, shifted = (TerrainProblem(low_threats(4), encoding, 9) for encoding in ("waypoints", "shifted"))
+    for vector in flights_of(even, 20):
+        assert shifted.evaluate(np.append(vector, np.zeros(9))) == even.evaluate(vector)
+
+
 def test_problems_are_refused_with_what_is_valid():
     scenario = rolling_terrain()
     refused(lambda: TerrainProblem(scenario, "bezier"), "bezier", "spherical", error=UnknownNameError)
     refused(lambda: TerrainProblem(scenario, cost="free"), "free", "metabox", error=UnknownNameError)
     refused(lambda: TerrainProblem(scenario, num_waypoints=3), "[4, 300]", error=SettingError)
     assert TerrainProblem(scenario, num_waypoints=4).dimension == 8
+    refused(lambda: TerrainProblem(scenario, "shifted", 5), "[6, 300]", error=SettingError)
+    assert TerrainProblem(scenario, "shifted", 6).dimension == 18
 
 
 def test_the_identity_is_that_of_the_content():

@@ -5,6 +5,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from helpers.terrains import rolling_terrain
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.problem.terrain.cost import PENALTY
@@ -18,14 +19,19 @@ def flat(**parts):
     return TerrainScenario("flat", **{"heights": np.zeros((101, 101)), "cell": 10.0, **ends, **parts})
 
 
-def test_the_straight_line_is_found_where_nothing_is_in_the_way():
-    problem = TerrainProblem(flat())
+by_offsets = looped("encoding", ("waypoints", "shifted"))
+
+
+@by_offsets
+def test_the_straight_line_is_found_where_nothing_is_in_the_way(encoding):
+    problem = TerrainProblem(flat(), encoding)
     flight = flight_ways(problem, 1)[0]
     assert problem.evaluate(flight)[0] <= 1.001 * problem.lower_bound
 
 
-def test_flights_pass_a_threat_on_both_sides():
-    problem = TerrainProblem(flat(threats=[[500.0, 500.0, np.inf, 80.0]]))
+@by_offsets
+def test_flights_pass_a_threat_on_both_sides(encoding):
+    problem = TerrainProblem(flat(threats=[[500.0, 500.0, np.inf, 80.0]]), encoding)
     flights = flight_ways(problem, 4)
     assert all(problem.evaluate(flight)[1] == 0.0 for flight in flights)
     middles = {float(np.sign(flight[4] + flight[5])) for flight in flights}
@@ -42,11 +48,25 @@ def test_a_narrow_gap_between_threats_is_found():
     assert problem.evaluate(flight_ways(problem, 1)[0])[1] == 0.0
 
 
-def test_a_ridge_is_crossed_at_its_gap():
+def test_shifted_waypoints_save_a_way_round_two_walls():
+    """Between the walls lies no even waypoint: they are at 150, 290, 430, 570, 710 and 850."""
+    x, y = np.meshgrid(np.arange(0.0, 1001.0, 10.0), np.arange(0.0, 1001.0, 10.0))
+    heights = 2_000.0 * (((abs(x - 450.0) < 15.0) & (y < 700.0)) | ((abs(x - 550.0) < 15.0) & (y > 300.0)))
+    even, shifted = (
+        TerrainProblem(flat(heights=heights, largest_turn=180.0, largest_climb=90.0), encoding, 6)
+        for encoding in ("waypoints", "shifted")
+    )
+    (cost, _), (less, collision) = (p.evaluate(flight_ways(p, 1)[0]) for p in (even, shifted))
+    assert collision == 0.0
+    assert less < 0.75 * cost
+
+
+@by_offsets
+def test_a_ridge_is_crossed_at_its_gap(encoding):
     heights = np.zeros((101, 101))
     heights[:, 45:56] = 2_000.0
     heights[75:85, 45:56] = 0.0
-    problem = TerrainProblem(flat(heights=heights))
+    problem = TerrainProblem(flat(heights=heights), encoding)
     flight = flight_ways(problem, 1)[0]
     assert problem.evaluate(flight)[1] == 0.0
     points = problem.points(flight)
@@ -63,9 +83,10 @@ def planned_anew(problem, most):
     return flight_ways(problem, most)
 
 
-def test_flights_differ_and_are_in_the_order_of_their_costs():
+@by_offsets
+def test_flights_differ_and_are_in_the_order_of_their_costs(encoding):
     for seed in range(3):
-        problem = TerrainProblem(rolling_terrain(seed))
+        problem = TerrainProblem(rolling_terrain(seed), encoding)
         flights = flight_ways(problem, 4)
         np.testing.assert_array_equal(flights, planned_anew(problem, 4))
         costs = [problem.evaluate(flight)[0] for flight in flights]
@@ -120,21 +141,34 @@ def test_flights_have_the_terms_of_the_cost():
     assert metabox.costs(through) < metabox.costs(around)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 5, 6, 7])
+SMALL_GRAPHS = [("waypoints", 4, 4, 1, 0.5, seed) for seed in (0, 1, 5, 6, 7)]
+SMALL_GRAPHS += [("shifted", 6, 2, 2, 0.3, seed) for seed in (31, 37, 38)]
+
+
+@pytest.mark.parametrize(("encoding", "n", "offsets", "shifts", "reach", "seed"), SMALL_GRAPHS)
 @pytest.mark.parametrize("penalty", [0.0, 1e9])
-def test_the_cheapest_flight_of_a_small_graph_is_found_where_no_angle_costs(penalty, seed):
+def test_the_cheapest_flight_of_a_small_graph_is_found_where_no_angle_costs(
+    penalty, encoding, n, offsets, shifts, reach, seed
+):
     goal = (790.0, 760.0, 150.0)
     terrain = rolling_terrain(seed, largest_turn=180.0, largest_climb=90.0, goal=goal)
-    problem = TerrainProblem(terrain, num_waypoints=4, cost="metabox")
-    n, rng = 4, np.random.default_rng(seed)
-    low, high = problem.bounds
-    sideways = np.sort(rng.uniform(0.5 * low[:n, None], 0.5 * high[:n, None], (n, 4)), axis=1)
-    tolls = rng.uniform(0.0, 500.0, (n, 4))
-    found = layered_flight(problem.table, sideways, np.array([0.5]), tolls, penalty)
-    flights = np.array([(*offsets, *found[n:]) for offsets in product(*sideways)])
-    is_below = np.array([problem.terms(flight)["ground"] > 0.0 for flight in flights])
-    paid = np.array(list(product(*tolls))).sum(axis=1)
-    costs = problem.costs(flights) - PENALTY * is_below + paid
+    problem, rng = TerrainProblem(terrain, encoding, n, cost="metabox"), np.random.default_rng(seed)
+    low, high = problem.table.initial_lower[:n, None], problem.table.initial_upper[:n, None]
+    sideways = np.sort(rng.uniform(reach * low, reach * high, (n, offsets)), axis=1)
+    forwards = 0.1 * problem.table.spacing * rng.uniform(-1.0, 1.0, (n, shifts)) * (shifts > 1)
+    tolls = rng.uniform(0.0, 500.0, (n, offsets))
+    found = layered_flight(problem.table, sideways, np.array([0.5]), forwards, tolls, penalty)
+    nodes = [[*product(*both)] for both in zip(sideways, forwards, strict=True)]
+    flights = np.array(
+        [
+            (*(side for side, _ in flight), *found[n : 2 * n], *(ahead for _, ahead in flight))
+            for flight in product(*nodes)
+        ]
+    )
+    vectors = flights[:, : problem.dimension]
+    is_below = np.array([problem.terms(vector)["ground"] > 0.0 for vector in vectors])
+    paid = np.array(list(product(*(np.repeat(row, shifts) for row in tolls)))).sum(axis=1)
+    costs = problem.costs(vectors) - PENALTY * is_below + paid
     assert 0 < is_below.sum() < len(flights)
     best = costs.min() if penalty == 0.0 else costs[~is_below].min()
     at = (flights == found).all(axis=1)
