@@ -76,7 +76,7 @@ class TrainConfig:
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios that episodes draw from, e.g. case1 case2 or random-fields:train:0-511."""
     encoding: str = "waypoints"
-    """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
+    """Meaning of decision vectors: waypoints, bezier on grid maps, or shifted and spherical over terrain."""
     distance_weight: float = 0.0
     """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
     ground_weight: float = 0.0

@@ -28,6 +28,7 @@ FROM_PRESET = (
     "total_steps",
     "optimizer",
     "scenarios",
+    "encoding",
     "distance_weight",
     "ground_weight",
     "curvature_weight",

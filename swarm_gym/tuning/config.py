@@ -41,6 +41,8 @@ class TuneConfig:
     """Optimizer that the controller controls, e.g. firefly or fish-swarm."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
+    encoding: str = "waypoints"
+    """Meaning of decision vectors: waypoints, bezier on grid maps, or shifted and spherical over terrain."""
     distance_weight: float = 0.0
     """Weight of the cost of nearness to blocked cells along a path, on grid maps."""
     ground_weight: float = 0.0

@@ -14,6 +14,7 @@ from swarm_gym.scenarios import registry
 from swarm_gym.sources import Source
 from swarm_gym.training.config import TrainConfig, changed_options, stored_config
 from swarm_gym.training.learners.environments import make_swarms
+from swarm_gym.tuning import command_line
 from swarm_gym.tuning.config import TuneConfig
 from swarm_gym.tuning.knots import KnotSpace
 from swarm_gym.tuning.side_by_side import SideBySide
@@ -57,15 +58,25 @@ def test_a_controller_keeps_the_ways_of_a_guided_environment():
         beside_ways("guided", needed)
 
 
+def test_a_tuning_has_the_encoding_of_its_preset(monkeypatch):
+    preset = dataclasses.replace(TrainConfig(), encoding="shifted", cost="metabox", source="guided")
+    monkeypatch.setattr(command_line, "load_preset", lambda _: preset)
+    config = command_line.defaults_of(["--what", "open-loop"])
+    assert changed_options(config) == {"encoding": "shifted", "cost": "metabox", "source": "guided"}
+
+
 def test_a_tuning_has_a_budget_and_its_own_length():
     config = TuneConfig(scenarios=("little",), episodes=3, price=0.0, initial_population_size=10, **TERRAIN)
     controllers = [make_controller("fixed:10"), make_controller("fixed:20")]
     places = SideBySide(config, 2, "paper", "natural")
+    assert places._env.unwrapped.settings.encoding == "waypoints"
     assert places.steps == 2 * 3 * 30
     outcomes = places.run(controllers, 5)
     assert (outcomes.evaluations == 150).all()
     guided = swarms_for(controllers[0], 1, "firefly", scenario="little", **TERRAIN)
     assert places._env.unwrapped.settings.source == guided.settings.source == "guided"
+    shifted = SideBySide(dataclasses.replace(config, encoding="shifted"), 2, "paper", "natural")
+    assert shifted._env.unwrapped.settings.encoding == "shifted"
     longer = dataclasses.replace(config, knots=(0, 29))
     assert len(KnotSpace(longer).start) == 4
     with pytest.raises(SettingError, match="knots"):
