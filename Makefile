@@ -20,7 +20,7 @@ WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
 # Rows over terrain of 100,000 evaluations, without planned flights and with them.
 UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
-PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned" "linear reduction, waypoints, guided" "linear reduction, shifted, guided" "multivariate, shifted, guided" "L-SHADE, learned" "planned flight"
+PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned, waypoints" "linear reduction, waypoints, guided" "linear reduction, shifted, guided" "L-SHADE, learned, size and phi" "L-SHADE, learned, with sources, waypoints" "planned flight"
 # Of each library the row with the least mean excess after 2,500 evaluations.
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 # Tables over terrain share their runs. Run again, these commands make no run: they measure all tables from the

@@ -120,22 +120,21 @@ def _control(
     used: set[Path],
 ) -> list[Table]:
     """Return the table of controllers, if policies have rivals and their flights have a measure."""
-    # Policies were trained with planned flights of even waypoints.
-    guided = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
-    controlled = [row for row in guided if row.encoding == "waypoints"]
-    controlled.sort(key=lambda row: [*SIZES].index(row.optimizer))
-    learned = {row.optimizer for row in controlled if row.is_learned}
-    unlearned = [row for row in controlled if not row.is_learned and row.optimizer in learned]
-    if not unlearned or np.isinf(known).any():
+    controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
+    controlled.sort(key=lambda row: ([*SIZES].index(row.optimizer), row.encoding != "waypoints"))
+    learned = {(row.optimizer, row.encoding) for row in controlled if row.is_learned}
+    groups: dict[tuple[str, str], list[ControlledRow | Row]] = {}
+    for row in controlled:
+        if not row.is_learned and (row.optimizer, row.encoding) in learned:
+            groups.setdefault((row.optimizer, row.encoding), []).append(row)
+    if not groups or np.isinf(known).any():
         return []
-    optimizers = dict.fromkeys(row.optimizer for row in unlearned)  # in the order of the rows
-    by_optimizer = {name: [row for row in unlearned if row.optimizer == name] for name in optimizers}
-    several = [row for row in unlearned if len(by_optimizer[row.optimizer]) > 1]  # among which one is chosen
+    several = [row for own in groups.values() if len(own) > 1 for row in own]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
     found = measure_all(several, expand_name(config.validation), asked_once, folder, used)
     rivals = {
-        optimizer: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
-        for optimizer, own in by_optimizer.items()
+        group: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
+        for group, own in groups.items()
     }
     return [table_of_control(controlled, measured, rivals, asked, known)]
 

@@ -49,14 +49,16 @@ def waypoints(scenario, encoding, vector):
     (x, y, above), (goal_x, goal_y, goal_above) = scenario.start, scenario.goal
     side = float(len(scenario.heights))
     found = [(x, y, above)]
-    if encoding == "waypoints":
-        n = len(vector) // 2
+    if encoding in ("waypoints", "shifted"):
+        groups = np.reshape(vector, (3 if encoding == "shifted" else 2, -1)).tolist()
+        n = len(groups[0])
         ahead = complex(goal_x - x, goal_y - y)
-        aside = 1j * ahead / abs(ahead)
+        direction = ahead / abs(ahead)
         for k in range(n):
             share = (k + 1) / (n + 1)
-            at = complex(x, y) + share * ahead + vector[k] * aside
-            found.append((at.real, at.imag, above + share * (goal_above - above) + vector[n + k]))
+            at = complex(x, y) + share * ahead + groups[0][k] * 1j * direction
+            at += groups[2][k] * direction if encoding == "shifted" else 0.0
+            found.append((at.real, at.imag, above + share * (goal_above - above) + groups[1][k]))
     else:
         for r, climb, heading in np.reshape(vector, (-1, 3)):
             x, y, above = found[-1]

@@ -21,26 +21,29 @@ from swarm_gym.optimizers import get_optimizer
 
 EVALUATIONS, ITERATIONS = 2_500, 220  # of an episode of the trainings
 LARGEST_SIZE = 100  # that the trainings allow
-# Recipes of policies, by optimizer and what they decide.
+# Recipes of policies, by optimizer, encoding and what they decide.
 SIZES_DECIDED, SOURCES_DECIDED = "size and phi", "with sources"
 RECIPES = {
-    ("differential-evolution", SIZES_DECIDED): "terrain-sizes",
-    ("differential-evolution", SOURCES_DECIDED): "terrain-sourced",
-    ("firefly", SIZES_DECIDED): "terrain-firefly-sizes",
-    ("firefly", SOURCES_DECIDED): "terrain-firefly-sourced",
+    ("differential-evolution", "waypoints", SIZES_DECIDED): "terrain-sizes",
+    ("differential-evolution", "waypoints", SOURCES_DECIDED): "terrain-sourced",
+    ("differential-evolution", "shifted", SOURCES_DECIDED): "terrain-shifted",
+    ("firefly", "waypoints", SIZES_DECIDED): "terrain-firefly-sizes",
+    ("firefly", "waypoints", SOURCES_DECIDED): "terrain-firefly-sourced",
 }
 # Open loops of one knot, which policies of a recipe correct, and from which its blind schedule was tuned.
 CONSTANTS = {
     "terrain-sizes": "terrain-sizes-start",
     "terrain-sourced": "terrain-start",
+    "terrain-shifted": "terrain-start",
     "terrain-firefly-sizes": "terrain-firefly-sizes-start",
     "terrain-firefly-sourced": "terrain-firefly-start",
 }
 # The paper's rules, as printed and with parameters tuned over terrain.
 RULE = "spsfa-tip"
 TUNED_RULES = {
-    "firefly": "tuned:terrain-firefly-schedule",
-    "differential-evolution": "tuned:terrain-schedule",
+    ("firefly", "waypoints"): "tuned:terrain-firefly-schedule",
+    ("differential-evolution", "waypoints"): "tuned:terrain-schedule",
+    ("differential-evolution", "shifted"): "tuned:terrain-shifted-schedule",
 }
 
 # L-SHADE's own rule, from the population size that mealpy begins with, and the iterations of its episodes
@@ -63,36 +66,34 @@ def rule_rows() -> list[AnyRow]:
         for encoding, source in (("waypoints", "uniform"), ("waypoints", "guided"), ("shifted", "guided"))
     ]
     found.append(ControlledRow("SPSFA-TIP", "firefly", "uniform", (RULE,)))
-    for optimizer, tuned in TUNED_RULES.items():
-        found.append(ControlledRow("SPSFA-TIP", optimizer, "guided", (RULE,)))
-        found.append(ControlledRow("SPSFA-TIP, tuned", optimizer, "guided", (tuned,)))
-    tuned = TUNED_RULES["differential-evolution"]
-    found.append(
-        ControlledRow("SPSFA-TIP, tuned", "differential-evolution", "guided", (tuned,), encoding="shifted")
-    )
+    for (optimizer, encoding), tuned in TUNED_RULES.items():
+        for label, name in (("SPSFA-TIP", RULE), ("SPSFA-TIP, tuned", tuned)):
+            found.append(ControlledRow(label, optimizer, "guided", (name,), encoding=encoding))
     return found
 
 
 def blind_rows() -> list[AnyRow]:
     """Return the rows of controllers that see nothing: constants and tuned schedules."""
     found: list[AnyRow] = []
-    for (optimizer, decided), recipe in RECIPES.items():
-        constants = f"open-loop:{CONSTANTS[recipe]}"
-        found.append(ControlledRow(f"constants, {decided}", optimizer, "guided", (constants,)))
+    for (optimizer, encoding, decided), recipe in RECIPES.items():
+        constants = (f"open-loop:{CONSTANTS[recipe]}",)
+        label = f"constants, {decided}"
+        found.append(ControlledRow(label, optimizer, "guided", constants, encoding=encoding))
         if (tuned := f"{recipe}-tuned") in packaged_open_loops():
-            found.append(_trained(f"blind schedule, {decided}", optimizer, (f"open-loop:{tuned}",)))
+            label = f"blind schedule, {decided}"
+            found.append(_trained(label, optimizer, encoding, (f"open-loop:{tuned}",)))
     return found
 
 
 def learned_rows() -> list[AnyRow]:
     """Return the rows of the policies that are there, and of these policies blinded."""
     found: list[AnyRow] = []
-    for (optimizer, decided), recipe in RECIPES.items():
+    for (optimizer, encoding, decided), recipe in RECIPES.items():
         policies = policies_of(recipe)
         for family, label in (("learned", "learned"), (BLINDED, "learned, blinded")):
             if policies:
                 names = tuple(f"{family}:{name}" for name in policies)
-                row = _trained(f"{label}, {decided}", optimizer, names)
+                row = _trained(f"{label}, {decided}", optimizer, encoding, names)
                 found.append(row._replace(longer=family != BLINDED))
     return found
 
@@ -117,5 +118,6 @@ def _by_name(row: ControlledRow, name: str) -> Controller:
     return make_controller(name, SizeLimits(smallest, largest))
 
 
-def _trained(label: str, optimizer: str, controllers: Sequence[str]) -> ControlledRow:
-    return ControlledRow(label, optimizer, "guided", tuple(controllers), EVALUATIONS, ITERATIONS)
+def _trained(label: str, optimizer: str, encoding: str, controllers: Sequence[str]) -> ControlledRow:
+    budget = EVALUATIONS, ITERATIONS
+    return ControlledRow(label, optimizer, "guided", tuple(controllers), *budget, encoding=encoding)

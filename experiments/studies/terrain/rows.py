@@ -55,8 +55,8 @@ class Row(NamedTuple):
 
     @property
     def controlled_name(self) -> str:
-        """Name of the optimizer with its controller in tables."""
-        return f"{NAMES[self.optimizer]}, {SIZES[self.optimizer]} members"
+        """Name of the optimizer with its controller, and an encoding that is not the first."""
+        return _with_encoding(f"{NAMES[self.optimizer]}, {SIZES[self.optimizer]} members", self.encoding)
 
     @property
     def name(self) -> str:
@@ -137,13 +137,13 @@ class ControlledRow(NamedTuple):
 
     @property
     def controlled_name(self) -> str:
-        """Name of the optimizer with its controller in tables."""
-        return f"{NAMES[self.optimizer]}, {self.label}"
+        """Name of the optimizer with its controller, and an encoding that is not the first."""
+        return _with_encoding(f"{NAMES[self.optimizer]}, {self.label}", self.encoding)
 
     @property
     def name(self) -> str:
         """Name of the row in tables."""
-        return f"{self.controlled_name}, {self.encoding}, {self.source}"
+        return f"{NAMES[self.optimizer]}, {self.label}, {self.encoding}, {self.source}"
 
 
 AnyRow = Row | PeerRow | PlannedRow | ControlledRow
@@ -157,3 +157,7 @@ def swarm_rows() -> list[AnyRow]:
 def peer_rows() -> list[AnyRow]:
     """Return the rows of other libraries that are installed."""
     return [PeerRow(peer, encoding) for encoding in ("spherical", "waypoints") for peer in installed(PEERS)]
+
+
+def _with_encoding(name: str, encoding: str) -> str:
+    return name if encoding == "waypoints" else f"{name}, {encoding}"

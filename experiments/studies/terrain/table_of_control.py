@@ -44,18 +44,18 @@ def objective(costs: Floats) -> float:
 def table_of_control(
     rows: Sequence[ControlledRow | Row],
     measured: Mapping[str, Floats],
-    rivals: Mapping[str, str],
+    rivals: Mapping[tuple[str, str], str],
     asked: Asked,
     best: Floats,
 ) -> Table:
     """Return the table.
 
     Args:
-        rows: rows that have a line, those of one optimizer together, if their optimizer has a rival and
-            they are for the first budget.
+        rows: rows that have a line, those of one group together, if their group has a rival and they are for
+            the first budget.
         measured: costs, (terrains, budgets, training seeds * runs), of these rows by name. The first half of
             the terrains has few threats.
-        rivals: name of the row of each optimizer that the others are compared with.
+        rivals: name of the row of each group, an optimizer and an encoding, that others are compared with.
         asked: runs of each row; the controllers are compared after the first budget.
         best: (terrains,) costs of the best known flights.
     """
@@ -63,10 +63,10 @@ def table_of_control(
     lines = []
     for row in rows:
         costs = measured[row.name][:, 0]
-        if row.optimizer not in rivals or np.isnan(costs).any():
+        if (row.optimizer, row.encoding) not in rivals or np.isnan(costs).any():
             continue
         excess = excess_of(costs, best)
-        rival = rivals[row.optimizer]
+        rival = rivals[row.optimizer, row.encoding]
         line: dict[str, Entry] = {
             "controller": row.controlled_name,
             "policies": number(len(row.controllers), ".0f") if row.is_learned else MISSING,
@@ -81,7 +81,8 @@ def table_of_control(
         lines.append(line)
     named = "; ".join(dict.fromkeys(rivals.values()))
     which = "the rule or blind controller"
-    which = which if len(rivals) == 1 else f"of each optimizer {which}"
+    groups = "optimizer and encoding" if len({encoding for _, encoding in rivals}) > 1 else "optimizer"
+    which = which if len(rivals) == 1 else f"of each {groups} {which}"
     runs = asked.policy_runs or asked.runs
     caption = (
         f"Controllers with guided members after {asked.evaluations[0]:,} evaluations, cost `{asked.cost}`, "

@@ -222,7 +222,7 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
         table_of_control(
             [blind, policy],
             {blind.name: costs, policy.name: seen},
-            {"firefly": blind.name},
+            {("firefly", "waypoints"): blind.name},
             Asked("metabox", (EVALUATIONS,), costs.shape[2], 2, 2),
             np.full(4, 10.0),
         )
@@ -244,12 +244,14 @@ def test_controllers_without_a_rival_or_without_runs_have_no_line():
     others = [
         ControlledRow("SPSFA-TIP", "differential-evolution", "guided", ("spsfa-tip",)),
         ControlledRow("learned, blinded", "firefly", "guided", ("learned:a/0",), EVALUATIONS, longer=False),
+        ControlledRow("constants", "firefly", "guided", ("fixed:20",), encoding="shifted"),
     ]
     costs = np.full((4, 1, 2), 20.0)
     table = table_of_control(
         [blind, *others],
-        {blind.name: costs, others[0].name: costs, others[1].name: np.full((4, 1, 2), np.nan)},
-        {"firefly": blind.name},
+        {blind.name: costs, others[1].name: np.full((4, 1, 2), np.nan)}
+        | {row.name: costs for row in (others[0], others[2])},
+        {("firefly", "waypoints"): blind.name},
         Asked("metabox", (20_000,), 2, 2),
         np.full(4, 10.0),
     )
@@ -280,7 +282,7 @@ def test_a_peer_spends_its_evaluations_and_is_the_same_again(peer, little_terrai
 
 def test_rows_have_names_of_their_own():
     assert len({row.name for row in rows()}) == len(rows())
-    others = 2 * len(libraries.installed(PEERS)) + 9 + 6 + len(learned_rows()) + 2
+    others = 2 * len(libraries.installed(PEERS)) + 10 + 8 + len(learned_rows()) + 2
     assert len(rows()) == 6 * len(SIZES) + others
 
 
