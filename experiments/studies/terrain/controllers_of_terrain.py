@@ -38,12 +38,13 @@ CONSTANTS = {
     "terrain-firefly-sizes": "terrain-firefly-sizes-start",
     "terrain-firefly-sourced": "terrain-firefly-start",
 }
-# The paper's rules, as printed and with parameters tuned over terrain.
+# The paper's rules, as printed and with parameters tuned over terrain with even waypoints. Tuned with shifted
+# ones, with 1.5 million steps, they had a larger objective on 24 terrains for validation, by 0.2.
 RULE = "spsfa-tip"
 TUNED_RULES = {
     ("firefly", "waypoints"): "tuned:terrain-firefly-schedule",
     ("differential-evolution", "waypoints"): "tuned:terrain-schedule",
-    ("differential-evolution", "shifted"): "tuned:terrain-shifted-schedule",
+    ("differential-evolution", "shifted"): "tuned:terrain-schedule",
 }
 
 # L-SHADE's own rule, from the population size that mealpy begins with, and the iterations of its episodes
