@@ -210,7 +210,7 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and its appendices (days)
 	$(OVER_TERRAIN)
 	$(OVER_TERRAIN)
-	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants cmaes pymoo niapy mealpy --output results/terrain/eight
+	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants shifted cmaes pymoo niapy mealpy --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2
 	$(BIN)/python -m experiments.terrain --beside-metabox --output results/terrain/speed
 	$(BIN)/python -m experiments.publish terrain terrain-budgets

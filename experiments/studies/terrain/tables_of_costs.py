@@ -26,10 +26,10 @@ SHOWN = (
 
 # Rows of docs/terrain.md, over all test terrains; its appendix has all.
 IN_SHORT = (
-    "L-SHADE, SPSFA-TIP, tuned, shifted, guided", "multivariate, shifted, guided",
+    "L-SHADE, blind schedule, with sources, shifted, guided", "multivariate, shifted, guided",
+    "L-SHADE, SPSFA-TIP, tuned, shifted, guided", "L-SHADE, shifted, guided",
     "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided",
-    "L-SHADE, waypoints, guided", *PLANNED.values(),
-    "multivariate, waypoints, smooth", "mealpy L-SHADE, waypoints", "PSO, spherical, uniform",
+    *PLANNED.values(), "mealpy L-SHADE, waypoints", "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of that page after more evaluations.
 LONGER = (
