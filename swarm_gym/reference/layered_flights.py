@@ -42,23 +42,31 @@ _LENGTH, _THREATS, _ALTITUDE, _ANGLES, _GROUND, _BAND, _LIMITS = WEIGHTS
 
 
 class _Graph(NamedTuple):
-    """Numbers of nodes at each waypoint, in the coarse graph and in the finer ones around its flight."""
+    """Nodes at each waypoint, in the coarse graph and in the finer ones around its flight.
+
+    Attributes:
+        offsets: number of offsets sideways, from bound to bound.
+        shifts: offsets forwards, in distances between waypoints.
+        finer_graphs: number of finer graphs, one around the flight of the other. Each reaches half as far as
+            the one before.
+        fine_offsets: number of offsets sideways in them.
+        fine_shifts: offsets forwards in them, in distances between waypoints, halved as well.
+        fine_shares: altitudes in them, as shares of the band.
+    """
 
     offsets: int
-    shifts: tuple[float, ...]  # along the line, in distances between waypoints
-    fine_offsets: int
-    fine_shares: tuple[float, ...]  # of the band
-    fine_shifts: tuple[
-        float, ...
-    ]  # along the line; as offsets, they are halved from one finer graph to the next
+    shifts: tuple[float, ...]
     finer_graphs: int
+    fine_offsets: int
+    fine_shifts: tuple[float, ...]
+    fine_shares: tuple[float, ...]
 
 
 # With 25 offsets, gaps between threats were missed. Numbers of nodes with shifts are a compromise of time and
 # costs on eight terrains for validation: 50 offsets, or shifts farther than one distance, saved nothing.
 _GRAPHS = {
-    "waypoints": _Graph(50, (0.0,), 15, (0.1, 0.3, 0.5, 0.7, 0.9), (0.0,), 1),
-    "shifted": _Graph(40, (-1.0, -0.5, 0.0, 0.5, 1.0), 9, (0.1, 0.5, 0.9), (-0.5, 0.0, 0.5), 3),
+    "waypoints": _Graph(50, (0.0,), 1, 15, (0.0,), (0.1, 0.3, 0.5, 0.7, 0.9)),
+    "shifted": _Graph(40, (-1.0, -0.5, 0.0, 0.5, 1.0), 3, 9, (-0.5, 0.0, 0.5), (0.1, 0.5, 0.9)),
 }
 
 # Flights that were planned in this process, by the identity of the problem and their largest number. Each

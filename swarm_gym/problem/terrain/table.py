@@ -70,9 +70,7 @@ class TerrainTable(NamedTuple, Generic[Whole, Real]):
     spacing: Real  # distance between waypoints along the line, seen from above
     forward: Floats  # (2,) unit vector along the line, seen from above
     width: Real  # largest extent of the map across the line, at a waypoint
-    middles: (
-        Floats  # (K, 2 n) offsets of the flights that smooth bends lie next to; (K, 3 n) if they are shifted
-    )
+    middles: Floats  # (K, 2 n) or, if shifted, (K, 3 n) offsets of flights that smooth bends lie next to
     modes: Floats  # (2, NUM_MODES, n) modes of smooth bends
     ends: Floats  # (2, 3) x, y and altitude of start and goal
     extent: Floats  # (4,) of the map

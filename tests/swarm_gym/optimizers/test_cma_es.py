@@ -288,7 +288,9 @@ def test_what_the_method_cannot_have_is_refused_by_name():
     with pytest.raises(SettingError, match=r"min_population_size.*2.*got 1"):
         make(min_population_size=1)
     make(scenario="rooms:0", encoding="bezier")
-    with pytest.raises(UnknownNameError, match=r"encoding of cma-es.*walk.*bezier, spherical, waypoints"):
+    with pytest.raises(
+        UnknownNameError, match=r"encoding of cma-es.*walk.*bezier, shifted, spherical, waypoints"
+    ):
         make(scenario="rooms:0", encoding="walk")
     make(restarts="degenerate")
     with pytest.raises(UnknownNameError, match=r"restarts.*often.*degenerate, stalled"):

@@ -110,6 +110,7 @@ def test_options_that_say_nothing_about_walks_are_refused(options, message):
 
 def test_an_unknown_encoding_is_refused():
     with pytest.raises(
-        UnknownNameError, match="unknown encoding 'spline'; valid: bezier, ones, spherical, walk, waypoints"
+        UnknownNameError,
+        match="unknown encoding 'spline'; valid: bezier, ones, shifted, spherical, walk, waypoints",
     ):
         make_problem("case1", encoding="spline")
