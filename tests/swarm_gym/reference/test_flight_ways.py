@@ -83,9 +83,9 @@ def planned_anew(problem, most):
     return flight_ways(problem, most)
 
 
-@by_offsets
-def test_flights_differ_and_are_in_the_order_of_their_costs(encoding):
-    for seed in range(3):
+@looped(("encoding", "seeds"), [("waypoints", 3), ("shifted", 1)])
+def test_flights_differ_and_are_in_the_order_of_their_costs(encoding, seeds):
+    for seed in range(seeds):
         problem = TerrainProblem(rolling_terrain(seed), encoding)
         flights = flight_ways(problem, 4)
         np.testing.assert_array_equal(flights, planned_anew(problem, 4))
