@@ -122,11 +122,11 @@ def _control(
     """Return the table of controllers, if policies have rivals and their flights have a measure."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
     controlled.sort(key=lambda row: ([*SIZES].index(row.optimizer), row.encoding != "waypoints"))
-    learned = {(row.optimizer, row.encoding) for row in controlled if row.is_learned}
+    learned = {row.group for row in controlled if row.is_learned}
     groups: dict[tuple[str, str], list[ControlledRow | Row]] = {}
     for row in controlled:
-        if not row.is_learned and (row.optimizer, row.encoding) in learned:
-            groups.setdefault((row.optimizer, row.encoding), []).append(row)
+        if not row.is_learned and row.group in learned:
+            groups.setdefault(row.group, []).append(row)
     if not groups or np.isinf(known).any():
         return []
     several = [row for own in groups.values() if len(own) > 1 for row in own]  # among which one is chosen

@@ -54,6 +54,11 @@ class Row(NamedTuple):
         return False
 
     @property
+    def group(self) -> tuple[str, str]:
+        """Optimizer and encoding, within which controllers are compared."""
+        return self.optimizer, self.encoding
+
+    @property
     def controlled_name(self) -> str:
         """Name of the optimizer with its controller, and an encoding that is not the first."""
         return _with_encoding(f"{NAMES[self.optimizer]}, {SIZES[self.optimizer]} members", self.encoding)
@@ -134,6 +139,11 @@ class ControlledRow(NamedTuple):
     def is_for(self, evaluations: int) -> bool:
         """Return whether there are episodes with an evaluation budget."""
         return self.longer or self.evaluations in (None, evaluations)
+
+    @property
+    def group(self) -> tuple[str, str]:
+        """Optimizer and encoding, within which controllers are compared."""
+        return self.optimizer, self.encoding
 
     @property
     def controlled_name(self) -> str:

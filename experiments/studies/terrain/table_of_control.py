@@ -63,10 +63,10 @@ def table_of_control(
     lines = []
     for row in rows:
         costs = measured[row.name][:, 0]
-        if (row.optimizer, row.encoding) not in rivals or np.isnan(costs).any():
+        if row.group not in rivals or np.isnan(costs).any():
             continue
         excess = excess_of(costs, best)
-        rival = rivals[row.optimizer, row.encoding]
+        rival = rivals[row.group]
         line: dict[str, Entry] = {
             "controller": row.controlled_name,
             "policies": number(len(row.controllers), ".0f") if row.is_learned else MISSING,

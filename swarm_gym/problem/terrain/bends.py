@@ -32,7 +32,8 @@ from swarm_gym.problem.terrain.waypoints import clipped, head_for, waypoint
 # Random numbers: for the middle flight, then the largest offset and the coefficients of each bend. Those of
 # the bend along the line follow, if there is one.
 NUM_NUMBERS = 1 + 2 * (1 + NUM_MODES)
-NUM_MORE_NUMBERS = 3
+NUM_ALONG = 2  # its modes
+NUM_MORE_NUMBERS = 1 + NUM_ALONG
 
 
 @kernel(borrows=True)
@@ -44,14 +45,13 @@ def draw_flight(table: TerrainTable, amplitude: float, kind: int, noise: Floats,
     """
     n, num_middles = table.num_waypoints, table.middles.shape[0]
     middle = min(int(noise[0] * num_middles), num_middles - 1)
-    if num_middles > 1:
-        for k in (1, 2 + NUM_MODES):
-            noise[k] *= noise[k] * noise[k]
-    _draw_offsets(table, 0, kind, amplitude * table.width, noise, path)
+    count = NUM_HARMONICS if kind == HARMONICS else NUM_MODES
+    _draw_offsets(table, 0, kind, count, amplitude * table.width, noise, path)
     band = table.band[HIGHEST] - table.band[LOWEST]
-    _draw_offsets(table, 1, kind, amplitude * band, noise, path)
+    _draw_offsets(table, 1, kind, count, amplitude * band, noise, path)
     if table.encoding == SHIFTED:
-        _draw_shifts(table, amplitude * 2.0 * LARGEST_SHIFT * table.spacing, noise, path)
+        along = 2.0 * LARGEST_SHIFT * table.spacing
+        _draw_offsets(table, 2, HARMONICS, NUM_ALONG, amplitude * along, noise, path)
     for k in range(table.middles.shape[1]):
         noise[k] = table.middles[middle, k] + path[k + 1]
     if table.encoding < SPHERICAL:
@@ -72,25 +72,26 @@ def draw_flight(table: TerrainTable, amplitude: float, kind: int, noise: Floats,
 
 @kernel(borrows=True)
 def _draw_offsets(
-    table: TerrainTable, component: int, kind: int, largest: float, noise: Floats, path: Floats
+    table: TerrainTable, component: int, kind: int, count: int, largest: float, noise: Floats, path: Floats
 ) -> None:
-    """Write the offsets of a bend into a path: the first n components, or the n after them.
+    """Write the offsets of a bend into a path: n components.
 
     Args:
         table: problem table.
-        component: 0 for offsets sideways, 1 for those upwards.
+        component: 0 for offsets sideways, 1 for those upwards, 2 for those along the line.
         kind: kind of modes, a value of `geometry.bends.BENDS`.
+        count: number of modes.
         largest: upper limit of the largest offset, in metres.
         noise: random numbers, of which the coefficients are changed.
         path: path that is written.
     """
     n, first = table.num_waypoints, 2 + component * (1 + NUM_MODES)
+    if table.middles.shape[0] > 1:
+        noise[first - 1] *= noise[first - 1] * noise[first - 1]
     if kind == HARMONICS:
-        count = NUM_HARMONICS
         for h in range(count):
             noise[first + h] = 2.0 * noise[first + h] - 1.0
     else:
-        count = NUM_MODES
         for h in range(0, count, 2):  # Box-Muller
             k = first + h
             radius, angle = math.sqrt(-2.0 * logarithm(1.0 - noise[k])), 2.0 * math.pi * noise[k + 1]
@@ -105,21 +106,4 @@ def _draw_offsets(
         height = max(height, abs(offset))
     scale = noise[first - 1] * largest / height if height > 0.0 else 0.0
     for k in range(component * n + 1, (component + 1) * n + 1):
-        path[k] = path[k] * scale
-
-
-@kernel(borrows=True)
-def _draw_shifts(table: TerrainTable, largest: float, noise: Floats, path: Floats) -> None:
-    """Write the offsets of a bend along the line into a path: its last n components."""
-    n, share = table.num_waypoints, noise[NUM_NUMBERS]
-    if table.middles.shape[0] > 1:
-        share *= share * share
-    first, second = 2.0 * noise[NUM_NUMBERS + 1] - 1.0, 2.0 * noise[NUM_NUMBERS + 2] - 1.0
-    height = 0.0
-    for k in range(n):
-        offset = first * table.modes[HARMONICS, 0, k] + second * table.modes[HARMONICS, 1, k]
-        path[2 * n + k + 1] = offset
-        height = max(height, abs(offset))
-    scale = share * largest / height if height > 0.0 else 0.0
-    for k in range(2 * n + 1, 3 * n + 1):
         path[k] = path[k] * scale
