@@ -28,7 +28,7 @@ SHOWN = (
 IN_SHORT = (
     "L-SHADE, blind schedule, with sources, shifted, guided", "multivariate, shifted, guided",
     "L-SHADE, SPSFA-TIP, tuned, shifted, guided", "L-SHADE, shifted, guided",
-    "L-SHADE, SPSFA-TIP, tuned, waypoints, guided", "L-SHADE, learned, with sources, waypoints, guided",
+    "L-SHADE, learned, with sources, shifted, guided", "L-SHADE, SPSFA-TIP, tuned, waypoints, guided",
     *PLANNED.values(), "mealpy L-SHADE, waypoints", "PSO, spherical, uniform",
 )  # fmt: skip
 # Rows of that page after more evaluations.
