@@ -45,11 +45,11 @@ LONGER = (
 BUDGETS = (
     "L-SHADE, linear reduction, shifted, guided", "L-SHADE, linear reduction, waypoints, guided",
     "L-SHADE, SPSFA-TIP, tuned, waypoints, guided",
-    "L-SHADE, learned, with sources, waypoints, guided", *PLANNED.values(),
-    "cmaes CMA-ES, spherical", "pymoo DE, waypoints", "mealpy L-SHADE, waypoints",
+    "L-SHADE, learned, with sources, waypoints, guided", PLANNED["shifted"],
+    "cmaes CMA-ES, spherical", "pymoo DE, waypoints", "niapy L-SHADE, waypoints", "mealpy L-SHADE, waypoints",
 )  # fmt: skip
 COSTS_AFTER_20_000 = (*BUDGETS, "L-SHADE, linear reduction, waypoints, uniform")
-COSTS_AFTER_100_000 = (*BUDGETS, "niapy L-SHADE, waypoints")
+COSTS_AFTER_100_000 = (*BUDGETS, PLANNED["waypoints"])
 
 
 def tables(
