@@ -35,7 +35,7 @@ IN_SHORT = (
 LONGER = (
     "L-SHADE, linear reduction, shifted, guided", "L-SHADE, shifted, guided",
     "multivariate, shifted, guided", "L-SHADE, linear reduction, waypoints, guided",
-    "multivariate, waypoints, guided", "fireflies, waypoints, guided",
+    "L-SHADE, SPSFA-TIP, tuned, shifted, guided", "multivariate, waypoints, guided",
     "L-SHADE, waypoints, smooth", "multivariate, waypoints, smooth",
     "L-SHADE, spherical, uniform", "PSO, spherical, uniform",
 )  # fmt: skip
