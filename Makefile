@@ -25,7 +25,7 @@ PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivari
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 # Tables over terrain share their runs. Run again, these commands make no run: they measure all tables from the
 # same best known flights, which the first pass may have improved.
-TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --keep-best --runs-folder results/terrain/runs
+TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --keep-best --keep-libraries --runs-folder results/terrain/runs
 define OVER_TERRAIN
 $(TERRAIN) --evaluations 100000 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --output results/terrain/longest
 $(TERRAIN) --evaluations 100000 --policy-runs 7 --peer-runs 1 --rows $(PLANNED) $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longest-guided

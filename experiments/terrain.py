@@ -14,10 +14,11 @@ import tyro
 from experiments.documents.digests import digests_of_terrain
 from experiments.documents.records import commits_in, record_of, write_record
 from experiments.speed.beside_metabox import table_beside_metabox
+from experiments.studies.terrain import library_runs
 from experiments.studies.terrain.best_known import collect, least_costs
 from experiments.studies.terrain.controllers_of_terrain import rows
 from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
-from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, Row
+from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, PeerRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
 from experiments.studies.terrain.tables_of_costs import tables
 from experiments.tables import Table
@@ -56,6 +57,9 @@ class TerrainConfig:
     """Parts of the names of rows to leave out, e.g. learned."""
     keep_best: bool = False
     """Replace best known flights by better ones of these runs, in the file of the study."""
+    keep_libraries: bool = False
+    """Add the runs of other libraries from 20,000 evaluations on to the file of the study, from which later
+    calls take them."""
     beside_metabox: bool = False
     """Measure the cost beside MetaBox's code, in one run, instead of running rows."""
 
@@ -87,6 +91,8 @@ def write(config: TerrainConfig) -> list[Path]:
     measured = measure_all(chosen, terrains, asked, folder, used)
     if config.keep_best:
         collect(folder, terrains)
+    if config.keep_libraries:
+        library_runs.keep(used, [row.name for row in chosen if isinstance(row, PeerRow)])
     known = least_costs(config.cost, terrains)
     made = [
         *tables(measured, terrains, asked, known),

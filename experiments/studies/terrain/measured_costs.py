@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from experiments.studies.libraries import run_peer
 from experiments.studies.terrain.controllers_of_terrain import controller_of
+from experiments.studies.terrain.library_runs import Setting, kept_runs
 from experiments.studies.terrain.rows import AnyRow, ControlledRow, PeerRow, PlannedRow, Row
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
@@ -82,9 +83,10 @@ class _Found(NamedTuple):
 def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Path] | None = None) -> Floats:
     """Return the best costs, (budgets, runs), of a row on a terrain.
 
-    Known ones are read from the folder. Where it has fewer runs than asked for, the others are added to them.
-    A file of more runs is not used. Costs of a budget that the row is not for are NaN. A file has the flight
-    of the least cost, too.
+    Known ones are read from the folder, and those of libraries from the file of `library_runs`, too. Where
+    these are fewer than asked for, further runs are added to them. A file of more runs in the folder is not
+    used. It has the flight of the least cost, too; runs from the file of `library_runs` come without flights.
+    Costs of a budget that the row is not for are NaN.
 
     Args:
         row: the row.
@@ -93,30 +95,45 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
         folder: folder that keeps the costs of all runs.
         used: the files of these runs are added to it.
     """
-    scenario = make_scenario(terrain)
-    problem = make_problem(scenario, encoding=row.encoding, cost=asked.cost)
+    problem = make_problem(make_scenario(terrain), encoding=row.encoding, cost=asked.cost)
     runs = asked.runs_of(row)
     found: list[list[float]] = []
     for evaluations in asked.evaluations:
         if isinstance(row, ControlledRow) and not row.is_for(evaluations):
             found.append([np.nan] * runs * len(row.controllers))
             continue
-        identity = _identity(row, problem, evaluations)
-        name = _file_name(row, terrain, asked.cost, evaluations)
-        known, files = _read(folder, name, identity, runs)
-        if known.runs < runs:
-            seeds = TEST[known.runs : runs]
-            known = _added(known, _flights(row, problem, terrain, asked.cost, evaluations, seeds), len(seeds))
-            content = {"terrain": terrain, "cost": asked.cost, "row": row.name, "evaluations": evaluations}
-            flight = {"encoding": row.encoding, "vector": known.vector}
-            folder.mkdir(parents=True, exist_ok=True)
-            found_now = {"costs": known.costs, "flight": flight, "provenance": provenance()}
-            whole = {"asked": {**identity, "runs": runs}, **content, **found_now}
-            files.append(write_atomically(folder / f"{name}-{runs}.json", json.dumps(whole) + "\n"))
+        setting = Setting(row.name, asked.cost, evaluations, terrain)
+        costs, files = _measure(row, problem, setting, runs, folder)
+        found.append(costs)
         if used is not None:
             used.update(files)
-        found.append(known.costs)
     return np.array(found)
+
+
+def _measure(
+    row: AnyRow, problem: Problem, setting: Setting, runs: int, folder: Path
+) -> tuple[list[float], list[Path]]:
+    """Return the best costs of a row in a setting, and the files of these runs."""
+    identity = _identity(row, problem, setting.evaluations)
+    name = _file_name(setting)
+    known, files = _read(folder, name, identity, runs)
+
+    def store(found: _Found, origin: Mapping[str, object]) -> Path:
+        flight = {"encoding": row.encoding, "vector": found.vector}
+        content = {"costs": found.costs, "flight": flight, "provenance": origin}
+        whole = {"asked": {**identity, "runs": found.runs}, **setting._asdict(), **content}
+        folder.mkdir(parents=True, exist_ok=True)
+        return write_atomically(folder / f"{name}-{found.runs}.json", json.dumps(whole) + "\n")
+
+    kept = kept_runs(setting, repr(problem.identity)) if isinstance(row, PeerRow) else None
+    if kept is not None and known.runs < min(runs, len(kept.costs)):
+        known = _Found(min(runs, len(kept.costs)), kept.costs[:runs], [])
+        files = [store(known, {"commit": kept.commit})]
+    if known.runs < runs:
+        flights = _flights(row, problem, setting, TEST[known.runs : runs])
+        known = _added(known, flights, runs - known.runs)
+        files.append(store(known, provenance()))
+    return known.costs, files
 
 
 def measure_all(
@@ -138,9 +155,9 @@ def measure_all(
     return {name: np.stack(parts) for name, parts in found.items()}
 
 
-def _file_name(row: AnyRow, terrain: str, cost: str, evaluations: int) -> str:
+def _file_name(setting: Setting) -> str:
     """Return the name of a file without its number of runs."""
-    parts = (terrain.replace(":", "-"), cost, row.name, str(evaluations))
+    parts = (setting.terrain.replace(":", "-"), setting.cost, setting.row, str(setting.evaluations))
     return "-".join(parts).replace(", ", "-").replace(" ", "-")
 
 
@@ -185,25 +202,21 @@ def _added(known: _Found, flights: Flights, runs: int) -> _Found:
     return _Found(known.runs + runs, costs.ravel().tolist(), vector)
 
 
-def _flights(
-    row: AnyRow, problem: Problem, terrain: str, cost: str, evaluations: int, seeds: range
-) -> Flights:
+def _flights(row: AnyRow, problem: Problem, setting: Setting, seeds: range) -> Flights:
     """Yield the cost and the vector of the best flight of each run, one controller after the other."""
     if isinstance(row, PlannedRow):
         ways = flight_ways(cast(TerrainProblem, problem), 4)
         yield min(((problem.evaluate(way)[0], way) for way in ways), key=lambda flight: flight[0])
     elif isinstance(row, PeerRow):
         for seed in seeds:
-            found = run_peer(row.peer, problem, evaluations, seed)
+            found = run_peer(row.peer, problem, setting.evaluations, seed)
             yield float(found.best), found.vector
     else:
         for name in row.controllers:
-            yield from _episodes(row, name, terrain, cost, evaluations, seeds)
+            yield from _episodes(row, name, setting, seeds)
 
 
-def _episodes(
-    row: Row | ControlledRow, name: str, terrain: str, cost: str, evaluations: int, seeds: range
-) -> Flights:
+def _episodes(row: Row | ControlledRow, name: str, setting: Setting, seeds: range) -> Flights:
     """Yield the flights of the runs of one controller, side by side."""
     controlled = isinstance(row, ControlledRow)
     ended: list[Any] = []
@@ -212,15 +225,15 @@ def _episodes(
         ended[:] = [simulation.swarms.best_fitness, simulation.swarms.best_position, simulation.dimension]
 
     run_episodes(
-        _controller(row, name, evaluations) if controlled else make_controller(name),
-        terrain,
+        _controller(row, name, setting.evaluations) if controlled else make_controller(name),
+        setting.terrain,
         seeds,
         row.optimizer,
         look,
-        **_options(row, evaluations),
-        cost=cost,
+        **_options(row, setting.evaluations),
+        cost=setting.cost,
         source=row.source,
-        max_evaluations=evaluations,
+        max_evaluations=setting.evaluations,
     )
     costs, places, dimension = ended
     for value, place in zip(costs.tolist(), places, strict=True):

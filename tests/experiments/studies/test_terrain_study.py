@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from experiments import terrain as command
 from experiments.documents.records import records_in
 from experiments.studies import libraries
 from experiments.studies.libraries import run_peer
-from experiments.studies.terrain import best_known, measured_costs
+from experiments.studies.terrain import best_known, library_runs, measured_costs
 from experiments.studies.terrain.controllers_of_terrain import (
     EVALUATIONS,
     controller_of,
@@ -98,6 +99,45 @@ def test_more_runs_are_added_to_those_that_are_stored(row, little_terrain, tmp_p
     (steps,) = (tmp_path / "steps").glob("*-5.json")
     stored = [json.loads(file.read_text(encoding="utf-8")) for file in (once, steps)]
     assert stored[0]["flight"] == stored[1]["flight"]
+
+
+def test_kept_runs_of_a_library_are_taken_and_further_ones_are_made(little_terrain, tmp_path, monkeypatch):
+    row, file = PeerRow("pymoo DE", "spherical"), tmp_path / "kept.csv"
+    asked = Asked("metabox", (200,), 5, 5)
+    three, two = asked._replace(peer_runs=3), asked._replace(peer_runs=2)
+    costs, used = measure(row, little_terrain, asked, tmp_path / "all"), set()
+    measure(row, little_terrain, three, tmp_path / "three", used)
+    measure(ROW, little_terrain, asked, tmp_path / "three", used)
+    assert library_runs.keep(used, [row.name], file) == 0  # of too few evaluations
+    monkeypatch.setattr(library_runs, "LEAST_EVALUATIONS", 200)
+    assert library_runs.keep(used, [row.name], file) == 1
+    fewer = set()
+    measure(row, little_terrain, two, tmp_path / "two", fewer)
+    assert library_runs.keep(fewer, [row.name], file) == 0
+
+    monkeypatch.setattr(measured_costs, "kept_runs", partial(library_runs.kept_runs, file=file))
+    seeds, flights = [], measured_costs._flights
+
+    def noted(*given):
+        seeds.extend(given[-1])
+        return flights(*given)
+
+    monkeypatch.setattr(measured_costs, "_flights", noted)
+    for some in (two, three):
+        again = measure(row, little_terrain, some, tmp_path / "again")
+        np.testing.assert_array_equal(again, costs[:, : some.peer_runs])
+    assert seeds == []
+    new = set()
+    np.testing.assert_array_equal(measure(row, little_terrain, asked, tmp_path / "again", new), costs)
+    assert seeds == [3, 4]
+    assert library_runs.keep(new, [row.name], file) == 1
+    seeds.clear()
+    np.testing.assert_array_equal(measure(row, little_terrain, asked, tmp_path / "kept"), costs)
+    assert best_known.collect(tmp_path / "kept", [little_terrain], tmp_path / "known.json") == []  # no flight
+    assert seeds == []
+    monkeypatch.setitem(registry.SCENARIOS, "little", lambda: rolling_terrain(3))
+    measure(row, little_terrain, two, tmp_path / "kept")
+    assert seeds == [0, 1]  # another terrain of the name
 
 
 @pytest.mark.parametrize("row", [ROW, PlannedRow(), PlannedRow("shifted"), PeerRow("pymoo DE", "spherical")])

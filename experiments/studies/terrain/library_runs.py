@@ -1,0 +1,112 @@
+"""Costs of runs of other libraries, in a file of the study: these runs take many hours.
+
+`measured_costs` takes runs from this file before it makes any. `keep` adds stored runs to it. To make runs
+anew, delete their lines.
+"""
+
+import csv
+import io
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from swarm_gym.files import write_atomically
+
+FILE = Path(__file__).parent / "data" / "library_runs.csv"
+LEAST_EVALUATIONS = 20_000  # runs of fewer are made again in an hour or two
+
+
+class Setting(NamedTuple):
+    """Row, cost, budget and terrain that runs have in common.
+
+    Attributes:
+        row: name of the row.
+        cost: name of the cost.
+        evaluations: evaluation budget.
+        terrain: name of the terrain.
+    """
+
+    row: str
+    cost: str
+    evaluations: int
+    terrain: str
+
+
+class KeptRuns(NamedTuple):
+    """Runs of a library on a terrain, one for each test seed from the first on.
+
+    Attributes:
+        problem: identity of the problem; runs of another problem are not used.
+        commit: commit of this project that made the last of them; its `constraints.txt` has the versions of
+            the libraries.
+        costs: costs of their best flights.
+    """
+
+    problem: str
+    commit: str
+    costs: list[float]
+
+
+COLUMNS = (*Setting._fields, *KeptRuns._fields)
+
+
+def kept_runs(setting: Setting, problem: str, file: Path = FILE) -> KeptRuns | None:
+    """Return the kept runs of a setting, or None where there are none of this problem.
+
+    Args:
+        setting: row, cost, budget and terrain.
+        problem: identity of the problem.
+        file: file of the runs; one that is missing has none.
+    """
+    kept = _read(file).get(setting)
+    return kept if kept is not None and kept.problem == problem else None
+
+
+def keep(files: Iterable[Path], rows: Iterable[str], file: Path = FILE) -> int:
+    """Add stored runs to the file, and return the number of settings that changed.
+
+    Runs of fewer evaluations than `LEAST_EVALUATIONS` are passed over. Stored runs replace kept ones if they
+    are more, or if the problem has changed.
+
+    Args:
+        files: files that `measured_costs` has written or read.
+        rows: names of the rows of libraries.
+        file: file of the runs.
+    """
+    kept, changed = _read(file), set()
+    wanted = set(rows)
+    for one in sorted(files):
+        stored = json.loads(one.read_text(encoding="utf-8"))
+        if stored["row"] not in wanted or stored["evaluations"] < LEAST_EVALUATIONS:
+            continue
+        setting = Setting(*(stored[field] for field in Setting._fields))
+        found = KeptRuns(stored["asked"]["problem"], stored["provenance"]["commit"], stored["costs"])
+        before = kept.get(setting)
+        if before is None or before.problem != found.problem or len(before.costs) < len(found.costs):
+            kept[setting] = found
+            changed.add(setting)
+    if changed:
+        write_atomically(file, _table(kept))
+    return len(changed)
+
+
+def _table(kept: dict[Setting, KeptRuns]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for setting, runs in sorted(kept.items()):
+        writer.writerow([*setting, runs.problem, runs.commit, " ".join(map(repr, runs.costs))])
+    return text.getvalue()
+
+
+def _read(file: Path) -> dict[Setting, KeptRuns]:
+    if not file.is_file():
+        return {}
+    found = {}
+    with file.open(encoding="utf-8", newline="") as lines:
+        for line in csv.DictReader(lines):
+            setting = Setting(line["row"], line["cost"], int(line["evaluations"]), line["terrain"])
+            costs = [float(cost) for cost in line["costs"].split()]
+            found[setting] = KeptRuns(line["problem"], line["commit"], costs)
+    return found
