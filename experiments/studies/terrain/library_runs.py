@@ -1,7 +1,8 @@
 """Costs of runs of other libraries, in a file of the study: these runs take many hours.
 
 `measured_costs` takes runs from this file before it makes any. `keep` adds stored runs to it. To make runs
-anew, delete their lines.
+anew, delete their lines. On another processor, new runs of cmaes and niapy may differ from kept ones, since
+NumPy has other code there.
 """
 
 import csv
@@ -38,8 +39,8 @@ class KeptRuns(NamedTuple):
 
     Attributes:
         problem: identity of the problem; runs of another problem are not used.
-        commit: commit of this project that made the last of them; its `constraints.txt` has the versions of
-            the libraries.
+        commit: commit of this project that made the last of them; its `constraints.txt` and `Makefile`
+            have the versions of the libraries.
         costs: costs of their best flights.
     """
 
@@ -51,6 +52,23 @@ class KeptRuns(NamedTuple):
 COLUMNS = (*Setting._fields, *KeptRuns._fields)
 
 
+def all_kept_runs(file: Path = FILE) -> dict[Setting, KeptRuns]:
+    """Return all kept runs by their settings.
+
+    Args:
+        file: file of the runs; one that is missing has none.
+    """
+    if not file.is_file():
+        return {}
+    found = {}
+    with file.open(encoding="utf-8", newline="") as lines:
+        for line in csv.DictReader(lines):
+            setting = Setting(line["row"], line["cost"], int(line["evaluations"]), line["terrain"])
+            costs = [float(cost) for cost in line["costs"].split()]
+            found[setting] = KeptRuns(line["problem"], line["commit"], costs)
+    return found
+
+
 def kept_runs(setting: Setting, problem: str, file: Path = FILE) -> KeptRuns | None:
     """Return the kept runs of a setting, or None where there are none of this problem.
 
@@ -59,7 +77,7 @@ def kept_runs(setting: Setting, problem: str, file: Path = FILE) -> KeptRuns | N
         problem: identity of the problem.
         file: file of the runs; one that is missing has none.
     """
-    kept = _read(file).get(setting)
+    kept = all_kept_runs(file).get(setting)
     return kept if kept is not None and kept.problem == problem else None
 
 
@@ -74,7 +92,7 @@ def keep(files: Iterable[Path], rows: Iterable[str], file: Path = FILE) -> int:
         rows: names of the rows of libraries.
         file: file of the runs.
     """
-    kept, changed = _read(file), set()
+    kept, changed = all_kept_runs(file), set()
     wanted = set(rows)
     for one in sorted(files):
         stored = json.loads(one.read_text(encoding="utf-8"))
@@ -98,15 +116,3 @@ def _table(kept: dict[Setting, KeptRuns]) -> str:
     for setting, runs in sorted(kept.items()):
         writer.writerow([*setting, runs.problem, runs.commit, " ".join(map(repr, runs.costs))])
     return text.getvalue()
-
-
-def _read(file: Path) -> dict[Setting, KeptRuns]:
-    if not file.is_file():
-        return {}
-    found = {}
-    with file.open(encoding="utf-8", newline="") as lines:
-        for line in csv.DictReader(lines):
-            setting = Setting(line["row"], line["cost"], int(line["evaluations"]), line["terrain"])
-            costs = [float(cost) for cost in line["costs"].split()]
-            found[setting] = KeptRuns(line["problem"], line["commit"], costs)
-    return found
