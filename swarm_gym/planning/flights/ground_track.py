@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LONGEST = 40.0  # metres
+NEAREST = 1e-6  # metres from start and goal, nearer than which a line between cells is passed over
 
 
 class GroundTrack(NamedTuple):
@@ -45,9 +46,19 @@ class GroundTrack(NamedTuple):
     vertices: Integers
 
 
-def ground_track(task: Survey, route: Floats) -> GroundTrack:
-    """Return the ground below a route, (k, 2) points of the map; a segment without length has one piece."""
+def ground_track(task: Survey, route: Floats, *, finer_ends: bool = False) -> GroundTrack:
+    """Return the ground below a route, (k, 2) points of the map; a segment without length has one piece.
+
+    Args:
+        task: the task.
+        route: the points from start to goal, seen from above.
+        finer_ends: with further nodes, so that no piece but the first and the last is longer than its
+            distance from start and goal. There are three nodes at least. Segments without length have no
+            piece.
+    """
     nodes, segments, vertices = _nodes_in_file(task, route) if task.is_resampled else _nodes(task, route)
+    if finer_ends:
+        nodes, segments, vertices = _with_finer_ends(nodes, segments, vertices)
     ground = task.ground(nodes)
     middle = task.ground(0.5 * (nodes[:-1] + nodes[1:])) - 0.5 * (ground[:-1] + ground[1:])
     lengths = np.sqrt((np.diff(nodes, axis=0) ** 2).sum(axis=1))
@@ -60,6 +71,27 @@ def ground_track(task: Survey, route: Floats) -> GroundTrack:
         segments,
         vertices,
     )
+
+
+def _with_finer_ends(
+    nodes: Floats, segments: Integers, vertices: Integers
+) -> tuple[Floats, Integers, Integers]:
+    """Return nodes with further ones at doubling distances from start and goal, without very near ones."""
+    lengths = np.sqrt((np.diff(nodes, axis=0) ** 2).sum(axis=1))
+    along = np.append(0.0, np.cumsum(lengths))
+    whole = along[-1]
+    is_kept = np.minimum(along, whole - along) > NEAREST
+    is_kept[vertices] = True
+    kept = np.unique(along[is_kept])
+    doubled = 2.0 ** np.arange(1.0, 64.0)
+    from_start, from_goal = kept[1] * doubled, (whole - kept[-2]) * doubled
+    halves = from_start[from_start < 0.5 * whole], whole - from_goal[from_goal < 0.5 * whole]
+    finer = np.unique(np.concatenate([kept, *halves, [0.5 * whole]]))
+    piece = np.clip(np.searchsorted(along, finer[:-1], side="right") - 1, 0, len(segments) - 1)
+    found = np.column_stack([np.interp(finer, along, nodes[:, axis]) for axis in range(2)])
+    places = np.searchsorted(finer, along[vertices])
+    found[places] = nodes[vertices]
+    return found, segments[piece], places
 
 
 def _nodes(task: Survey, route: Floats) -> tuple[Floats, Integers, Integers]:

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 # Shares of the band that a flight keeps from its limits; the first that can be flown counts.
 INSETS = (0.25, 0.1, 0.0)
 NARROWING = 0.2  # metres of inset for each metre from start and goal
-SPARE = 1e-3  # metres that a flight always keeps from the limits
+SPARE = 1e-3  # metres that a flight keeps from the limits, a metre and more from start and goal
 
 
 def flown(task: Survey, route: Floats) -> Floats | None:
@@ -35,7 +35,7 @@ def flown(task: Survey, route: Floats) -> Floats | None:
     x_min, y_min, x_max, y_max = scenario.workspace
     if (route < (x_min, y_min)).any() or (route > (x_max, y_max)).any() or _turns_too_much(scenario, route):
         return None
-    track = _with_rims(task, ground_track(task, route))
+    track = _track(task, route)
     low, high = _channel(scenario, track)
     if np.isnan(low).any():  # beside a gap of the file
         return None
@@ -60,7 +60,7 @@ def least_climb(task: Survey, route: Floats) -> float:
         task: the task.
         route: (k, 2) points of the map from start to goal, seen from above, whatever its turns.
     """
-    track = _with_rims(task, ground_track(task, route))
+    track = _track(task, route)
     low, high = _channel(task.scenario, track)
     if not (low <= high).all():  # also beside a gap of the file
         return math.inf
@@ -78,14 +78,19 @@ def _turns_too_much(scenario: TerrainScenario, route: Floats) -> bool:
     return bool((np.degrees(turns) > scenario.largest_turn * (1.0 - 1e-12)).any())
 
 
-def _with_rims(task: Survey, track: GroundTrack) -> GroundTrack:
-    """Return a track with nodes where it enters or leaves a threat: the channel has steps there."""
-    scenario, added = task.scenario, []
+def _track(task: Survey, route: Floats) -> GroundTrack:
+    """Return the ground below a route, with nodes wherever the channel has a step or is narrow."""
+    return ground_track(task, _with_rims(task.scenario, route), finer_ends=True)
+
+
+def _with_rims(scenario: TerrainScenario, route: Floats) -> Floats:
+    """Return a route with vertices where it enters or leaves a threat: the channel has steps there."""
+    added = []
     for x, y, top, radius in scenario.threats.tolist():
         if math.isinf(top):
             continue
         reach = radius + scenario.drone_size
-        for begin, end in pairwise(track.points[track.vertices]):
+        for begin, end in pairwise(route):
             step = end - begin
             length = math.hypot(*step.tolist())
             if length == 0.0:
@@ -96,17 +101,15 @@ def _with_rims(task: Survey, track: GroundTrack) -> GroundTrack:
                 half = math.sqrt(reach * reach - aside * aside)
                 added += [begin + step * (s / length) for s in (ahead - half, ahead + half) if 0 < s < length]
     if not added:
-        return track
-    # Rims are vertices of a finer route; turns there are zero.
-    route = track.points[track.vertices]
-    finer = [route[:1]]
+        return route
+    finer = [route[:1]]  # turns at rims are zero
     for begin, end in pairwise(route):
         step = end - begin
         length = math.hypot(*step.tolist())
         on = [p for p in added if length and _is_on(p, begin, step, length)]
         on.sort(key=lambda p: float((p - begin) @ step))
         finer += [np.array([*on, end])]
-    return ground_track(task, np.vstack(finer))
+    return np.vstack(finer)
 
 
 def _is_on(point: Floats, begin: Floats, step: Floats, length: float) -> bool:
@@ -117,17 +120,33 @@ def _is_on(point: Floats, begin: Floats, step: Floats, length: float) -> bool:
 def _channel(scenario: TerrainScenario, track: GroundTrack) -> tuple[Floats, Floats]:
     """Return the least and the greatest height of a flight at every node."""
     lowest, highest = scenario.band
-    bulge, sink = _beside(track.bulge), _beside(track.sink)
-    low, high = track.ground + bulge + (lowest + SPARE), track.ground - sink + (highest - SPARE)
+    ends = np.array([scenario.start[2], scenario.goal[2]])
+    spare = SPARE * np.minimum(np.minimum(track.along, track.along[-1] - track.along), 1.0)
+    low = track.ground + lowest + spare + _room(track.bulge, ends - lowest)
+    high = track.ground + highest - spare - _room(track.sink, highest - ends)
     for threat in scenario.threats:
         reach = threat[RADIUS] + scenario.drone_size
         inside = _pieces_inside(track, threat[X], threat[Y], reach)
         if inside.any():
             nodes = np.append(inside, False) | np.append(False, inside)
             low[nodes] = np.maximum(low[nodes], threat[TOP] + scenario.drone_size + SPARE)
-    low[0] = high[0] = track.ground[0] + scenario.start[2]
-    low[-1] = high[-1] = track.ground[-1] + scenario.goal[2]
+    low[[0, -1]] = high[[0, -1]] = track.ground[[0, -1]] + ends
     return low, high
+
+
+def _room(bulge: Floats, ends: Floats) -> Floats:
+    """Return how far each node has to be from a limit of the band, so that no point between nodes passes it.
+
+    Two nodes at distances a and b from the limit have a piece of bulge c between them inside if
+    sqrt(a) + sqrt(b) >= 2 sqrt(c): the largest c for which (1 - s) a + s b >= 4 c s (1 - s) for all s.
+
+    Args:
+        bulge: (n - 1,) how far the ground bulges towards the limit, between nodes.
+        ends: distances of start and goal from the limit, which are given.
+    """
+    needed = bulge.copy()  # so far at both nodes
+    needed[[0, -1]] = np.maximum(2.0 * np.sqrt(bulge[[0, -1]]) - np.sqrt(np.maximum(ends, 0.0)), 0.0) ** 2
+    return np.maximum(np.append(needed, 0.0), np.append(0.0, needed))
 
 
 def _pieces_inside(track: GroundTrack, x: float, y: float, reach: float) -> NDArray[np.bool_]:
@@ -140,11 +159,6 @@ def _pieces_inside(track: GroundTrack, x: float, y: float, reach: float) -> NDAr
     # A piece that only ends on the rim is outside.
     inside: NDArray[np.bool_] = np.hypot(near[:, 0] - x, near[:, 1] - y) < reach - 1e-7
     return inside
-
-
-def _beside(pieces: Floats) -> Floats:
-    """Return for each node the larger value of the pieces on both sides of it."""
-    return np.maximum(np.append(pieces, 0.0), np.append(0.0, pieces))
 
 
 def _taut(along: Floats, low: Floats, high: Floats) -> tuple[list[int], Floats]:

@@ -9,7 +9,7 @@ import pytest
 from oracles.flown_terrain import faults
 from swarm_gym.planning.flights.ground_track import ground_track
 from swarm_gym.planning.flights.measures import length_of, measured
-from swarm_gym.planning.flights.profile import flown
+from swarm_gym.planning.flights.profile import flown, least_climb
 from swarm_gym.scenarios import TerrainScenario
 from swarm_gym.scenarios.terrain.survey import Survey
 
@@ -49,7 +49,7 @@ def test_no_flight_in_the_band_is_shorter():
     scenario = rough(3, band=(20.0, 60.0), start=(15.0, 25.0, 40.0), goal=(560.0, 549.0, 40.0))
     from swarm_gym.planning.flights import profile
 
-    track = ground_track(Survey(scenario), straight(scenario))
+    track = ground_track(Survey(scenario), straight(scenario), finer_ends=True)
     low, high = profile._channel(scenario, track)
     places, heights = profile._taut(track.along, low, high)
     z = np.interp(track.along, track.along[places], heights)
@@ -77,6 +77,51 @@ def test_a_flight_passes_over_a_threat_with_a_top_and_not_through_one_without():
     assert measured(Survey(scenario), flight).passed[0].distance < 0.0
     assert flown(Survey(rough(1, threats=((300.0, 300.0, math.inf, 60.0),))), straight(scenario)) is None
     assert flown(Survey(rough(1, threats=((300.0, 300.0, 500.0, 60.0),))), straight(scenario)) is None
+
+
+@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.0, 1.0), (1.0, 0.3), (0.02, 0.98)])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_flight_from_a_limit_of_the_band_keeps_it_in_the_first_and_the_last_cell(seed, shares):
+    rng = np.random.default_rng(seed)
+    heights = 12.0 * rng.random((9, 9))
+    band = (100.0, 130.0)
+    above = np.array([band[0] + share * (band[1] - band[0]) for share in shares])
+    # Near a post, on a line between cells, and anywhere.
+    places = (
+        np.array([[60.0 - 1e-9, 60.0 - 1e-9], [60.0, 71.0], [67.0, 49.0]])[seed % 3],
+        rng.uniform(150, 170, 2),
+    )
+    start, goal = ((*place.tolist(), one) for place, one in zip(places, above.tolist(), strict=True))
+    scenario = TerrainScenario(
+        "rough", heights, start, goal, cell=30.0, band=band, largest_climb=60.0, largest_turn=180.0
+    )
+    task = Survey(scenario)
+    for route in (straight(scenario), np.vstack([start[:2], rng.uniform(40, 200, 2), goal[:2]])):
+        flight = flown(task, route)
+        assert flight is not None
+        found = measured(task, flight)
+        assert band[0] - 1e-6 <= found.least_height <= found.greatest_height <= band[1] + 1e-6
+        assert faults(scenario, flight.tolist()) == []
+        assert least_climb(task, route) <= found.steepest_climb + 1e-6
+
+
+def test_a_flight_within_one_cell_keeps_away_from_threats_and_ground():
+    ends = {"start": (1100.0, 1100.0, 110.0), "goal": (1900.0, 1900.0, 110.0), "cell": 1000.0}
+    saddle = np.zeros((4, 4))
+    saddle[1, 2] = saddle[2, 1] = 400.0
+    scenario = TerrainScenario("saddle", saddle, **ends)
+    flight = flown(Survey(scenario), straight(scenario))
+    assert flight is not None
+    assert faults(scenario, flight.tolist()) == []
+    assert measured(Survey(scenario), flight).least_height >= 100.0
+    low = TerrainScenario("low", saddle, **ends, band=(100.0, 120.0), largest_climb=5.0)
+    assert flown(Survey(low), straight(low)) is None
+    for top in (math.inf, 400.0):  # off the band
+        blocked = TerrainScenario(
+            "blocked", np.zeros((4, 4)), threats=((1500.0, 1500.0, top, 100.0),), **ends
+        )
+        assert flown(Survey(blocked), straight(blocked)) is None
+        assert least_climb(Survey(blocked), straight(blocked)) == math.inf
 
 
 @pytest.mark.parametrize(

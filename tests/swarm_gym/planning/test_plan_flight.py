@@ -168,6 +168,25 @@ def test_heights_in_degrees_are_those_of_dense_points_over_the_file(tmp_path):
     assert found.greatest_height >= max(above) - 1e-4
 
 
+@pytest.mark.parametrize("above", [30.0, 60.0])
+def test_a_flight_may_begin_and_end_on_posts_at_a_limit_of_the_band(above, tmp_path):
+    # In metres a line between cells is a billionth of a metre away from such a start.
+    heights = np.rint(300.0 + 10.0 * np.random.default_rng(6).random((60, 60)))
+    path = write_asc(tmp_path / "a.asc", heights, 0.0005, (7.0, 46.0))
+    for (west, south), (east, north) in (((6, 8), (54, 42)), ((8, 40), (50, 10)), ((10, 12), (10, 45))):
+        start, goal = (
+            (7.0 + 0.0005 * west, 46.0 + 0.0005 * south),
+            (7.0 + 0.0005 * east, 46.0 + 0.0005 * north),
+        )
+        found = plan_flight(path, (*start, above), (*goal, above), altitude=(30.0, 60.0), largest_climb=60.0)
+        assert found.found_by == "straight line"
+        middle = 0.5 * (start[0] + goal[0]), 0.5 * (start[1] + goal[1])
+        ground = ground_in_degrees(read_elevation(path), *middle)
+        assert faults(found.map, found.waypoints.tolist(), 1e-3, ground) == []
+        assert found.least_height >= 30.0 - 1e-6
+        assert found.greatest_height <= 60.0 + 1e-6
+
+
 def test_limits_take_the_place_of_those_of_a_scenario():
     scenario = make_scenario("terrain:train:0")
     limits = {"altitude": (90.0, 210.0), "largest_climb": 80.0, "largest_turn": 60.0, "drone_size": 2.0}
