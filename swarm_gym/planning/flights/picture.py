@@ -27,6 +27,7 @@ LEFT, MARGIN = 64, 14  # of the profile
 FINER = 2  # a picture is drawn so many times larger and then reduced, so that edges are smooth
 PAPER, INK, FLIGHT, THREAT, START, GOAL = "#ffffff", "#3f3f46", "#c2410c", "#dc2626", "#15803d", "#1d4ed8"
 GROUND, BAND = "#a8a29e", "#e0f2fe"
+CORNERS = 5001  # of a very large disc
 MOST_POSTS = 160  # of a side of the ground on the page
 LOW, HIGH = np.array([120.0, 150.0, 105.0]), np.array([240.0, 232.0, 214.0])  # colours by height
 
@@ -52,7 +53,8 @@ def as_png(flight: Flight) -> bytes:
     canvas = ImageDraw.Draw(image, "RGBA")
     for threat in scenario.threats.tolist():
         centre = (scale * (threat[X] - x_min), scale * (y_max - threat[Y]))
-        canvas.circle(centre, scale * threat[RADIUS], fill=THREAT + "60", outline=THREAT, width=FINER)
+        _draw_threat(canvas, centre, scale * threat[RADIUS], width)
+    canvas.rectangle(((0, height), image.size), fill=PAPER)  # the profile's, which threats do not reach
     places = np.stack(
         [scale * (flight.waypoints[:, 0] - x_min), scale * (y_max - flight.waypoints[:, 1])], axis=-1
     )
@@ -112,6 +114,18 @@ def shaded(scenario: TerrainScenario) -> NDArray[np.uint8]:
     share = (scenario.heights - low) / max(high - low, 1e-9)
     colours = (LOW + share[..., None] * (HIGH - LOW)) * (0.35 + 0.75 * light[..., None])
     return np.clip(colours, 0.0, 255.0).astype(np.uint8)
+
+
+def _draw_threat(canvas: Any, centre: tuple[float, float], radius: float, width: int) -> None:
+    """Draw a threat as a disc, in pixels; Pillow is slow at discs that are much larger than the picture."""
+    if radius <= width:
+        canvas.circle(centre, radius, fill=THREAT + "60", outline=THREAT, width=FINER)
+        return
+    angles = np.linspace(0.0, 2.0 * np.pi, CORNERS)
+    rim = np.array(centre) + radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    corners = [tuple(corner) for corner in rim.tolist()]
+    canvas.polygon(corners, fill=THREAT + "60")
+    canvas.line(corners, fill=THREAT, width=FINER)
 
 
 def _draw_profile(canvas: Any, flight: Flight, top: int) -> None:

@@ -79,6 +79,8 @@ def as_kml(flight: Flight) -> str:
     ]
     for number, threat in enumerate(flight.map.threats):
         ring = _circle(flight, threat)
+        if ring is None:
+            continue
         parts.append(
             f"<Placemark><name>threat {number}</name><styleUrl>#threat</styleUrl><Polygon><outerBoundaryIs>"
             f"<LinearRing><coordinates>{ring}</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>"
@@ -129,7 +131,7 @@ def as_mission(flight: Flight) -> str:
         "rallyPoints": {"points": [], "version": 2},
         "version": 1,
     }
-    return json.dumps(plan, indent=4) + "\n"
+    return json.dumps(plan, indent=4, allow_nan=False) + "\n"
 
 
 FORMATS: dict[str, Callable[[Flight], str | bytes]] = {
@@ -195,7 +197,10 @@ def _degrees(flight: Flight) -> Floats:
 
 
 def _fences(flight: Flight) -> list[dict[str, Any]]:
-    """Return the threats that the flight does not pass over as circles that exclude."""
+    """Return the threats that the flight does not pass over as circles that exclude.
+
+    Those that are too far away to have a place in degrees are left out.
+    """
     over = {passed.number for passed in flight.passed if passed.distance < 0.0}
     threats = [one for number, one in enumerate(flight.map.threats) if number not in over]
     if not threats:
@@ -212,15 +217,18 @@ def _fences(flight: Flight) -> list[dict[str, Any]]:
             "version": 1,
         }
         for one, (longitude, latitude) in zip(threats, centres.tolist(), strict=True)
+        if math.isfinite(longitude) and math.isfinite(latitude)
     ]
 
 
-def _circle(flight: Flight, threat: Floats) -> str:
-    """Return the outline of a threat as coordinates of KML."""
+def _circle(flight: Flight, threat: Floats) -> str | None:
+    """Return the outline of a threat as coordinates of KML; None too far away to have a place in degrees."""
     angles = np.linspace(0.0, 2.0 * math.pi, 49)
     outline = threat[:2] + threat[RADIUS] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     outline[-1] = outline[0]
     places = flight.task.in_degrees(outline)
     assert places is not None
+    if not np.isfinite(places).all():
+        return None
     top = f",{threat[TOP]:.1f}" if math.isfinite(threat[TOP]) else ""
     return " ".join(f"{x:.{DECIMALS}f},{y:.{DECIMALS}f}{top}" for x, y in places.tolist())

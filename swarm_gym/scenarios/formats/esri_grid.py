@@ -134,10 +134,11 @@ def _odd_word(body: bytes) -> str:
 
 
 def _system(path: Path) -> str | None:
-    """Return the text of the file `.prj` next to a grid; None without one."""
-    beside = path.with_suffix(".prj")
-    try:
-        with open_file(beside) as file:
-            return file.read(MAX_PRJ).decode("utf-8", "replace").strip() or None
-    except OSError:
-        return None
+    """Return the text of the file `.prj` or `.PRJ` next to a grid; None without one."""
+    for ending in (".prj", ".PRJ"):
+        try:
+            with open_file(path.with_suffix(ending)) as file:
+                return file.read(MAX_PRJ).decode("utf-8", "replace").strip() or None
+        except OSError:
+            continue
+    return None

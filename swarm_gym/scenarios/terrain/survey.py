@@ -146,7 +146,8 @@ def survey(
     if isinstance(system, PlaneSystem):
         require_true_lengths(str(path), system, where)
     cylinders = np.empty((0, 4)) if threats is None else cylinders_of(threats, kind, elevation, system)
-    (x, y), (goal_x, goal_y) = where.tolist()
+    last = np.array(origin) + cell * (np.array(heights.shape[::-1]) - 1)
+    (x, y), (goal_x, goal_y) = np.clip(where, origin, last).tolist()  # an end on the edge, after roundings
     try:
         bare = TerrainScenario(
             name or path.stem,

@@ -60,9 +60,10 @@ def task_ground(
         _require_heights(path, elevation, first, last, system if kind == GEOGRAPHIC else None)
         x, y = (np.array(elevation.origin) + first * spacing).tolist()
         return heights, (x, y), spacing
-    inner, spacing = _inner_box(elevation, system)
-    low = np.minimum(np.maximum(low, inner[0]), ends.min(axis=0))
-    high = np.maximum(np.minimum(high, inner[1]), ends.max(axis=0))
+    spacing = _least_spacing(elevation, system)
+    inner = _on_map(elevation, system, low, high)
+    low = np.minimum(inner[0], ends.min(axis=0))
+    high = np.maximum(inner[1], ends.max(axis=0))
     if (high - low).max() / spacing * FINER <= MANY:
         spacing /= FINER
     columns, rows = np.ceil((high - low) / spacing).astype(int) + 1
@@ -106,23 +107,47 @@ def words(point: Iterable[float]) -> str:
     return ", ".join(f"{number:.10g}" for number in point)
 
 
-def _inner_box(elevation: Elevation, system: System) -> tuple[Floats, float]:
-    """Return a box on the map, (2, 2) lowest and highest x and y, and the least distance of posts."""
+def _least_spacing(elevation: Elevation, system: System) -> float:
+    """Return the least distance of posts in metres, around the middle of the task."""
+    if elevation.kind == PLANE:
+        return min(elevation.spacing)
+    assert isinstance(system, Projection)
+    middle = np.array([[system.longitude, system.latitude]])
+    step = np.abs(system.to_metres(middle + np.array([elevation.spacing])) - system.to_metres(middle))[0]
+    return float(step.min())
+
+
+def _on_map(elevation: Elevation, system: System, low: Floats, high: Floats) -> Floats:
+    """Return the part of a box in metres that is on the map, (2, 2): lowest and highest x and y.
+
+    An edge of a map in degrees is no straight line. Where it lies within the box, the part ends before it.
+    """
     x_min, y_min, x_max, y_max = elevation.box
     if elevation.kind == PLANE:
-        return np.array([[x_min, y_min], [x_max, y_max]]), min(elevation.spacing)
+        return np.array([np.maximum(low, (x_min, y_min)), np.minimum(high, (x_max, y_max))])
     assert isinstance(system, Projection)
     share = np.linspace(0.0, 1.0, 101)
-    across, along = x_min + share * (x_max - x_min), y_min + share * (y_max - y_min)
+    across, along = (low + share[:, None] * (high - low)).T
+    sides = [(across, low[1]), (across, high[1]), (low[0], along), (high[0], along)]
+    outline = np.concatenate([np.stack(np.broadcast_arrays(x, y), axis=-1) for x, y in sides])
+    degrees = in_file(elevation, system, outline)
+    (west, south), (east, north) = degrees.min(axis=0), degrees.max(axis=0)
+    longitudes = max(west, x_min) + share * (min(east, x_max) - max(west, x_min))
+    latitudes = max(south, y_min) + share * (min(north, y_max) - max(south, y_min))
 
     def metres(x: ArrayLike, y: ArrayLike) -> Floats:
         return system.to_metres(np.stack(np.broadcast_arrays(x, y), axis=-1))
 
-    west, east = (metres(x, along)[:, 0] for x in (x_min, x_max))
-    south, north = (metres(across, y)[:, 1] for y in (y_min, y_max))
-    middle = np.array([[system.longitude, system.latitude]])
-    step = np.abs(system.to_metres(middle + np.array([elevation.spacing])) - system.to_metres(middle))[0]
-    return np.array([[west.max(), south.max()], [east.min(), north.min()]]), float(step.min())
+    part = np.array([low, high])
+    if west < x_min:
+        part[0, 0] = max(low[0], metres(x_min, latitudes)[:, 0].max())
+    if east > x_max:
+        part[1, 0] = min(high[0], metres(x_max, latitudes)[:, 0].min())
+    if south < y_min:
+        part[0, 1] = max(low[1], metres(longitudes, y_min)[:, 1].max())
+    if north > y_max:
+        part[1, 1] = min(high[1], metres(longitudes, y_max)[:, 1].min())
+    return part
 
 
 def _require_few(path: Path, columns: int, rows: int) -> None:

@@ -19,9 +19,10 @@ from swarm_gym.errors import MissingExtraError, NoPathError, ScenarioError, Sett
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
 from swarm_gym.planning.flights import planner, search
-from swarm_gym.planning.flights.writing import FORMATS, as_mission, write_flight
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.planning.flights.writing import FORMATS, as_kml, as_mission, write_flight
+from swarm_gym.scenarios import TerrainScenario, make_scenario
 from swarm_gym.scenarios.formats.elevation_files import read_elevation
+from swarm_gym.scenarios.formats.geographic import PlaneSystem
 
 pytest.importorskip("pyproj", reason="needs the extra `terrain`")
 
@@ -391,6 +392,48 @@ def test_a_mission_has_latitude_before_longitude_and_circles_to_keep_out_of(over
     assert [one["circle"]["radius"] for one in circles] == [80.0, 99.0]
     assert circles[0]["circle"]["center"] == pytest.approx([46.506, 7.412])
     assert not any(one["inclusion"] for one in circles)
+
+
+def test_threats_without_a_place_in_degrees_are_in_no_file(tmp_path):
+    path = write_asc(tmp_path / "a.asc", hill(), corner=(501_000.0, 5_152_000.0))
+    (tmp_path / "a.prj").write_text("EPSG:32632")
+    ends = PlaneSystem("EPSG:32632").to_degrees([(501_500.0, 5_152_500.0), (504_500.0, 5_154_500.0)]).tolist()
+    inside = PlaneSystem("EPSG:32632").to_degrees([(502_000.0, 5_154_500.0)])[0].tolist()
+    threats = write_threats(tmp_path / "t.geojson", (99.0, 0.0, {"radius": 9}), (*inside, {"radius": 20}))
+    with pytest.warns(UserWarning, match="1 of 2 threats do not touch"):
+        found = plan_flight(
+            path,
+            (*ends[0], 150.0),
+            (*ends[1], 150.0),
+            threats=threats,
+            coordinates="longitude-latitude",
+            largest_climb=80.0,
+        )
+    assert len(found.map.threats) == 2
+    [circle] = json.loads(as_mission(found))["geoFence"]["circles"]
+    assert circle["circle"]["center"] == pytest.approx(inside[::-1], abs=1e-6)
+    text = as_kml(found)
+    assert text.count("<name>threat") == 1
+    assert "inf" not in text
+
+
+@pytest.mark.parametrize("radius", [400.0, 1e6])
+def test_a_threat_that_is_larger_than_the_map_is_drawn_on_the_map_only(radius, tmp_path):
+    pillow = pytest.importorskip("PIL.Image", reason="needs the extra `terrain`")
+    scenario = TerrainScenario(
+        "flat",
+        np.zeros((60, 60)),
+        (100.0, 110.0, 150.0),
+        (500.0, 100.0, 150.0),
+        10.0,
+        threats=((295.0, 60.0 - radius, math.inf, radius),),
+    )
+    write_flight(plan_flight(scenario), tmp_path / "f.png")
+    picture = np.asarray(pillow.open(tmp_path / "f.png").convert("RGB")).astype(int)
+    side = picture.shape[1]  # of the map, which is a square
+    in_threat, above, in_profile = (side - 30, side // 2), (side // 2, side // 2), (-3, -3)
+    assert picture[in_threat][0] > picture[above][0] + 20  # red
+    assert picture[in_profile].tolist() == [255, 255, 255]
 
 
 def test_pictures_and_pages_are_whole(over_earth, tmp_path):

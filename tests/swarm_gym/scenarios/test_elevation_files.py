@@ -34,13 +34,14 @@ def test_heights_between_posts_are_bilinear_and_gaps_are_not_filled(tmp_path):
     assert np.isnan(heights[1:]).all()
 
 
-def test_small_cells_in_range_are_degrees_and_a_prj_file_says_more(tmp_path):
+@pytest.mark.parametrize("ending", [".prj", ".PRJ"])
+def test_small_cells_in_range_are_degrees_and_a_prj_file_says_more(tmp_path, ending):
     pytest.importorskip("pyproj", reason="needs the extra `terrain`")
     import pyproj
 
     path = write_asc(tmp_path / "a.asc", hill(), cell=0.001, corner=(7.0, 46.0))
     assert read_elevation(path).kind == GEOGRAPHIC
-    (tmp_path / "a.prj").write_text(pyproj.CRS("EPSG:32632").to_wkt())
+    (tmp_path / f"a{ending}").write_text(pyproj.CRS("EPSG:32632").to_wkt())
     assert read_elevation(path).kind == PLANE
 
 

@@ -9,6 +9,7 @@ import pytest
 from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.scenarios import TerrainScenario, make_scenario
+from swarm_gym.scenarios.formats.elevation_files import read_elevation
 from swarm_gym.scenarios.formats.geographic import PlaneSystem, require_true_lengths
 from swarm_gym.scenarios.formats.threat_file import read_threats
 from swarm_gym.scenarios.terrain.survey import survey
@@ -275,6 +276,57 @@ def test_a_southern_tile_reaches_its_southern_edge(tmp_path):
     south = found.scenario.workspace[1]
     assert np.isfinite(found.ground(np.array([[0.0, south + 1.0]]))).all()
     assert np.isnan(found.ground(np.array([[0.0, south - 1.0]]))).all()
+
+
+@pytest.mark.parametrize(("x", "y"), [(425231.06, 5226914.24), (520000.3, 5100000.7), (411111.1, 5000000.9)])
+def test_start_and_goal_may_be_the_outermost_posts_after_roundings(tmp_path, x, y):
+    for k in range(12):
+        cell = 10.0 + 0.1 * k
+        path = write_asc(tmp_path / "a.asc", hill()[:60, :60], cell, (x, y), key="center")
+        last = round(x + 59 * cell, 2), round(y + 59 * cell, 2)
+        found = survey(path, (x, y, 150.0), (*last, 150.0))
+        assert found.scenario.target == pytest.approx(last, abs=1e-6)
+
+
+def test_degrees_of_the_edge_of_a_map_in_metres_are_on_it(tmp_path):
+    path, system = utm(tmp_path), PlaneSystem("EPSG:32632")
+    x_min, y_min, x_max, y_max = read_elevation(path).box
+    middle = system.to_degrees([(0.5 * (x_min + x_max), 0.5 * (y_min + y_max))])[0]
+    edge = [(x, y) for x in np.linspace(x_min, x_max, 9) for y in (y_min, y_max)]
+    edge += [(x, y) for x in (x_min, x_max) for y in np.linspace(y_min, y_max, 9)]
+    for place in system.to_degrees(edge).tolist():
+        found = survey(path, (*place, 150.0), (*middle, 150.0), coordinates="longitude-latitude")
+        assert np.isfinite(found.ground(np.array([found.scenario.start[:2]]))).all()
+
+
+@pytest.mark.parametrize(
+    ("corner", "rows", "columns"),
+    [((-20.0, 40.0), 101, 81), ((-180.0, -90.0), 361, 721), ((5.0, 46.0), 9, 21)],
+)
+def test_a_wide_map_in_degrees_has_ground_all_around_start_and_goal(tmp_path, corner, rows, columns):
+    heights = 300.0 + 10.0 * np.random.default_rng(1).random((rows, columns))
+    path = write_asc(tmp_path / "a.asc", heights, cell=0.5, corner=corner, key="center")
+    (tmp_path / "a.prj").write_text("EPSG:4326")
+    found = survey(path, (8.4, 47.7, 150.0), (9.4, 47.8, 150.0))
+    x_min, y_min, x_max, y_max = found.scenario.workspace
+    start, goal = found.scenario.start[:2], found.scenario.target
+    reach = 0.5 * math.dist(start, goal)
+    assert x_min == pytest.approx(start[0] - reach)
+    assert y_min == pytest.approx(start[1] - reach)
+    assert x_max >= goal[0] + reach
+    assert y_max >= goal[1] + reach
+    corners = [(x_min, y_min), (goal[0] + reach, y_min), (x_min, goal[1] + reach)]
+    assert np.isfinite(found.ground(np.array(corners))).all()
+
+
+def test_a_map_around_the_pole_has_ground_around_it(tmp_path):
+    path = write_asc(tmp_path / "a.asc", np.zeros((21, 721)), cell=0.5, corner=(-180.0, 80.0), key="center")
+    (tmp_path / "a.prj").write_text("EPSG:4326")
+    found = survey(path, (10.0, 89.5, 150.0), (60.0, 89.0, 150.0))
+    x_min, y_min, x_max, y_max = found.scenario.workspace
+    reach = 0.5 * math.dist(found.scenario.start[:2], found.scenario.target)
+    assert x_max - x_min >= 2.0 * reach
+    assert y_max - y_min >= 2.0 * reach
 
 
 @pytest.mark.parametrize(("cell", "away"), [(0.02, 0.002), (0.25, 0.05)])
