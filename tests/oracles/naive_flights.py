@@ -147,22 +147,17 @@ def terms(scenario, encoding, vector):
     points = polyline(scenario, encoding, vector)
     middle = sum(scenario.band) / 2
     found["altitude"] = sum(abs(above - middle) for *_, above in waypoints(scenario, encoding, vector)[1:-1])
-    collision, before = 0.0, None
+    collision = 0.0
+    steps = [np.subtract(other, one) for one, other in pairwise(points)]
+    climbs = [math.degrees(math.atan2(dz, math.hypot(dx, dy))) for dx, dy, dz in steps if dx or dy or dz]
+    headings = [math.degrees(math.atan2(dy, dx)) for dx, dy, _ in steps if dx or dy]
+    turns = [abs(math.remainder(other - one, 360)) for one, other in pairwise(headings)]
+    found["angles"] = sum(turns) + sum(abs(other - one) for one, other in pairwise(climbs))
+    found["limits"] = sum(max(turn - scenario.largest_turn, 0) for turn in turns)
+    found["limits"] += sum(max(abs(climb) - scenario.largest_climb, 0) for climb in climbs)
     for one, other in pairwise(points):
         metres = math.dist(one, other)
         found["length"] += metres
-        dx, dy = other[0] - one[0], other[1] - one[1]
-        climb = math.degrees(math.atan2(other[2] - one[2], math.hypot(dx, dy)))
-        found["limits"] += max(abs(climb) - scenario.largest_climb, 0)
-        if before is not None:
-            old_dx, old_dy, old_climb = before
-            turn = 0.0
-            if (dx or dy) and (old_dx or old_dy):
-                turn = abs(math.degrees(math.atan2(dy, dx) - math.atan2(old_dy, old_dx)))
-                turn = min(turn, 360 - turn)
-            found["angles"] += turn + abs(climb - old_climb)
-            found["limits"] += max(turn - scenario.largest_turn, 0)
-        before = dx, dy, climb
         for threat in scenario.threats.tolist():
             inside, depth = inside_and_depth(scenario, one, other, threat)
             found["threats"] += depth + (PENALTY + PER_METRE * inside * metres if inside > 0 else 0)

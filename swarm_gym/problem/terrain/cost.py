@@ -97,12 +97,16 @@ def terms_entry(table: TerrainTable, path: Floats) -> Terms:
 
 @kernel(borrows=True)
 def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
-    """Return the terms of the documented cost and the degree of collision."""
+    """Return the terms of the documented cost and the degree of collision.
+
+    A turn or a change of climb is that between two steps with a length: a waypoint twice in the same place
+    hides neither.
+    """
     x, y, above = table.ends[0, X], table.ends[0, Y], table.ends[0, ABOVE]
     z = height(table, x, y) + above
     middle = 0.5 * (table.band[LOWEST] + table.band[HIGHEST])
     length, threats, altitude, angles, ground, band, limits = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    collision, before_x, before_y, before_climb = 0.0, 0.0, 0.0, 0.0
+    collision, before_x, before_y, before_climb, has_before = 0.0, 0.0, 0.0, 0.0, False
     for number in range(1, table.num_waypoints + 2):
         to_x, to_y, above = waypoint(table, path, number, x, y, above)
         to_z = height(table, to_x, to_y) + above
@@ -111,15 +115,19 @@ def exact_terms(table: TerrainTable, path: Floats) -> tuple[Terms, float]:
         dx, dy = to_x - x, to_y - y
         climb = DEGREES * arctangent(to_z - z, math.sqrt(dx * dx + dy * dy))
         limits += max(abs(climb) - table.limits[CLIMB], 0.0)
-        if number > 1:
+        is_level, is_step = dx != 0.0 or dy != 0.0, dx != 0.0 or dy != 0.0 or to_z != z
+        if has_before and is_step:
             turn = turn_between(before_x, before_y, dx, dy)
             limits += max(turn - table.limits[TURN], 0.0)
             angles += turn + abs(climb - before_climb)
         metres, at_threats, at_ground, outside, inside = segment_terms(table, x, y, z, to_x, to_y, to_z)
         length, threats, ground = length + metres, threats + at_threats, ground + at_ground
         band, collision = band + outside, collision + inside
-        x, y, z, before_climb = to_x, to_y, to_z, climb
-        before_x, before_y = dx, dy
+        if is_level:
+            before_x, before_y = dx, dy
+        if is_step:
+            before_climb, has_before = climb, True
+        x, y, z = to_x, to_y, to_z
     return (length, threats, altitude, angles, ground, band, limits), collision
 
 

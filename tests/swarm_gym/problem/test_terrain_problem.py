@@ -335,6 +335,23 @@ def test_a_flat_flight_costs_what_one_can_count():
     assert (terms["band"], terms["ground"], terms["threats"], terms["limits"]) == (0.0, 0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("first", [False, True])
+def test_a_step_without_length_hides_no_turn_and_no_change_of_climb(first):
+    flat = TerrainScenario(
+        "flat", np.zeros((101, 101)), (100.0, 500.0, 150.0), (900.0, 500.0, 150.0), cell=10.0
+    )
+    problem, turn = TerrainProblem(flat, "spherical", 5), math.pi / 4
+    there, back, onwards = (150.0, 0.1, turn), (150.0, -0.1, -turn), (200.0, 0.0, 0.0)
+
+    def terms(still):
+        steps = [(still, 0.1, turn), there] if first else [there, (still, 0.1, turn)]
+        return problem.terms(np.ravel([*steps, back, onwards, onwards]))
+
+    nearly = terms(1e-7)
+    assert nearly["limits"] == pytest.approx(100.0 * 45.0, rel=1e-6)
+    assert terms(0.0) == pytest.approx(nearly, rel=1e-6)
+
+
 @looped(
     ("cost", "stored"),
     [
@@ -342,7 +359,7 @@ def test_a_flat_flight_costs_what_one_can_count():
             "documented",
             [
                 (94999.03131545373, 137.14212950585795),
-                (89159.45519879335, 84.01685402765781),
+                (98063.10358448686, 84.01685402765781),
                 (92225.19589606373, 162.50151051775327),
             ],
         ),
