@@ -1,8 +1,8 @@
 """Costs of runs of other libraries, in a file of the study: these runs take many hours.
 
 `measured_costs` takes runs from this file before it makes any. `keep` adds stored runs to it. To make runs
-anew, delete their lines. On another processor, new runs of cmaes and niapy may differ from kept ones, since
-NumPy has other code there.
+anew, delete their lines, and their files in the folder of runs. On another processor, new runs of cmaes and
+niapy may differ from kept ones, since NumPy has other code there.
 """
 
 import csv
@@ -12,26 +12,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+from experiments.studies.terrain.rows import Setting
 from swarm_gym.files import write_atomically
 
 FILE = Path(__file__).parent / "data" / "library_runs.csv"
 LEAST_EVALUATIONS = 20_000  # runs of fewer are made again in an hour or two
-
-
-class Setting(NamedTuple):
-    """Row, cost, budget and terrain that runs have in common.
-
-    Attributes:
-        row: name of the row.
-        cost: name of the cost.
-        evaluations: evaluation budget.
-        terrain: name of the terrain.
-    """
-
-    row: str
-    cost: str
-    evaluations: int
-    terrain: str
 
 
 class KeptRuns(NamedTuple):

@@ -12,8 +12,8 @@ from tqdm import tqdm
 
 from experiments.studies.libraries import run_peer
 from experiments.studies.terrain.controllers_of_terrain import controller_of
-from experiments.studies.terrain.library_runs import Setting, kept_runs
-from experiments.studies.terrain.rows import AnyRow, ControlledRow, PeerRow, PlannedRow, Row
+from experiments.studies.terrain.library_runs import kept_runs
+from experiments.studies.terrain.rows import AnyRow, ControlledRow, PeerRow, PlannedRow, Row, Setting
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.files import write_atomically
@@ -85,8 +85,8 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
 
     Known ones are read from the folder, and those of libraries from the file of `library_runs`, too. Where
     these are fewer than asked for, further runs are added to them. A file of more runs in the folder is not
-    used. It has the flight of the least cost, too; runs from the file of `library_runs` come without flights.
-    Costs of a budget that the row is not for are NaN.
+    used. Files in the folder have the flight of the least cost, too; runs from the file of `library_runs`
+    come without flights. Costs of a budget that the row is not for are NaN.
 
     Args:
         row: the row.
@@ -125,7 +125,9 @@ def _measure(
         folder.mkdir(parents=True, exist_ok=True)
         return write_atomically(folder / f"{name}-{found.runs}.json", json.dumps(whole) + "\n")
 
-    kept = kept_runs(setting, repr(problem.identity)) if isinstance(row, PeerRow) else None
+    kept = None
+    if known.runs < runs and isinstance(row, PeerRow):
+        kept = kept_runs(setting, repr(problem.identity))
     if kept is not None and known.runs < min(runs, len(kept.costs)):
         known = _Found(min(runs, len(kept.costs)), kept.costs[:runs], [])
         files = [store(known, {"commit": kept.commit})]

@@ -159,6 +159,22 @@ class ControlledRow(NamedTuple):
 AnyRow = Row | PeerRow | PlannedRow | ControlledRow
 
 
+class Setting(NamedTuple):
+    """Row, cost, budget and terrain that runs have in common.
+
+    Attributes:
+        row: name of the row.
+        cost: name of the cost.
+        evaluations: evaluation budget.
+        terrain: name of the terrain.
+    """
+
+    row: str
+    cost: str
+    evaluations: int
+    terrain: str
+
+
 def swarm_rows() -> list[AnyRow]:
     """Return the rows of swarms of constant size."""
     return [Row(optimizer, *vectors) for optimizer in SIZES for vectors in VECTORS]

@@ -45,6 +45,12 @@ class GroundTrack(NamedTuple):
     segment: Integers
     vertices: Integers
 
+    @property
+    def from_ends(self) -> Floats:
+        """Distances of the nodes from the nearer one of start and goal, along the route."""
+        nearer: Floats = np.minimum(self.along, self.along[-1] - self.along)
+        return nearer
+
 
 def ground_track(task: Survey, route: Floats, *, finer_ends: bool = False) -> GroundTrack:
     """Return the ground below a route, (k, 2) points of the map; a segment without length has one piece.

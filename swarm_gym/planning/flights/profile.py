@@ -40,10 +40,9 @@ def flown(task: Survey, route: Floats) -> Floats | None:
     if np.isnan(low).any():  # beside a gap of the file
         return None
     limit = math.tan(math.radians(scenario.largest_climb)) * (1.0 - 1e-9)
-    from_ends = np.minimum(track.along, track.along[-1] - track.along)
     width = scenario.band[1] - scenario.band[0]
     for share in INSETS:
-        inset = np.minimum(share * width, NARROWING * from_ends)
+        inset = np.minimum(share * width, NARROWING * track.from_ends)
         low_line, high_line = low + inset, high - inset
         if (low_line > high_line).any():
             continue
@@ -121,7 +120,7 @@ def _channel(scenario: TerrainScenario, track: GroundTrack) -> tuple[Floats, Flo
     """Return the least and the greatest height of a flight at every node."""
     lowest, highest = scenario.band
     ends = np.array([scenario.start[2], scenario.goal[2]])
-    spare = SPARE * np.minimum(np.minimum(track.along, track.along[-1] - track.along), 1.0)
+    spare = SPARE * np.minimum(track.from_ends, 1.0)
     low = track.ground + lowest + spare + _room(track.bulge, ends - lowest)
     high = track.ground + highest - spare - _room(track.sink, highest - ends)
     for threat in scenario.threats:
@@ -137,14 +136,15 @@ def _channel(scenario: TerrainScenario, track: GroundTrack) -> tuple[Floats, Flo
 def _room(bulge: Floats, ends: Floats) -> Floats:
     """Return how far each node has to be from a limit of the band, so that no point between nodes passes it.
 
-    Two nodes at distances a and b from the limit have a piece of bulge c between them inside if
-    sqrt(a) + sqrt(b) >= 2 sqrt(c): the largest c for which (1 - s) a + s b >= 4 c s (1 - s) for all s.
+    Let the flight be a and b away from the limit at two neighbours, and the ground bulge by c between them.
+    It keeps the limit if (1 - s) a + s b >= 4 c s (1 - s) for all s in [0, 1]. This is so exactly where
+    sqrt(a) + sqrt(b) >= 2 sqrt(c). Inner nodes keep c on both sides; beside an end a is given, and b follows.
 
     Args:
         bulge: (n - 1,) how far the ground bulges towards the limit, between nodes.
         ends: distances of start and goal from the limit, which are given.
     """
-    needed = bulge.copy()  # so far at both nodes
+    needed = bulge.copy()
     needed[[0, -1]] = np.maximum(2.0 * np.sqrt(bulge[[0, -1]]) - np.sqrt(np.maximum(ends, 0.0)), 0.0) ** 2
     return np.maximum(np.append(needed, 0.0), np.append(0.0, needed))
 

@@ -222,7 +222,7 @@ def _fences(flight: Flight) -> list[dict[str, Any]]:
 
 
 def _circle(flight: Flight, threat: Floats) -> str | None:
-    """Return the outline of a threat as coordinates of KML; None too far away to have a place in degrees."""
+    """Return the outline of a threat as coordinates of KML; None if it has no place in degrees."""
     angles = np.linspace(0.0, 2.0 * math.pi, 49)
     outline = threat[:2] + threat[RADIUS] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     outline[-1] = outline[0]

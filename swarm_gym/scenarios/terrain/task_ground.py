@@ -129,14 +129,13 @@ def _on_map(elevation: Elevation, system: System, low: Floats, high: Floats) -> 
     share = np.linspace(0.0, 1.0, 101)
     across, along = (low + share[:, None] * (high - low)).T
     sides = [(across, low[1]), (across, high[1]), (low[0], along), (high[0], along)]
-    outline = np.concatenate([np.stack(np.broadcast_arrays(x, y), axis=-1) for x, y in sides])
-    degrees = in_file(elevation, system, outline)
+    degrees = in_file(elevation, system, np.concatenate([_points(x, y) for x, y in sides]))
     (west, south), (east, north) = degrees.min(axis=0), degrees.max(axis=0)
     longitudes = max(west, x_min) + share * (min(east, x_max) - max(west, x_min))
     latitudes = max(south, y_min) + share * (min(north, y_max) - max(south, y_min))
 
     def metres(x: ArrayLike, y: ArrayLike) -> Floats:
-        return system.to_metres(np.stack(np.broadcast_arrays(x, y), axis=-1))
+        return system.to_metres(_points(x, y))
 
     part = np.array([low, high])
     if west < x_min:
@@ -148,6 +147,11 @@ def _on_map(elevation: Elevation, system: System, low: Floats, high: Floats) -> 
     if north > y_max:
         part[1, 1] = min(high[1], metres(longitudes, y_max)[:, 1].min())
     return part
+
+
+def _points(x: ArrayLike, y: ArrayLike) -> Floats:
+    """Return points (n, 2) of coordinates, of which one may be the same for all."""
+    return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
 def _require_few(path: Path, columns: int, rows: int) -> None:

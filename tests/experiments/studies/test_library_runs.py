@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from experiments.studies.libraries import run_peer
-from experiments.studies.terrain.library_runs import FILE, Setting, all_kept_runs, kept_runs
+from experiments.studies.terrain.library_runs import FILE, all_kept_runs, kept_runs
+from experiments.studies.terrain.rows import Setting
 from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.worlds import make_problem
