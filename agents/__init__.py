@@ -8,9 +8,15 @@ from typing import TYPE_CHECKING
 from swarm_gym import controllers
 
 if TYPE_CHECKING:
-    from swarm_gym.controllers import CONTROLLERS, Controller, SizeLimits, make_controller
+    from swarm_gym.controllers import (
+        CONTROLLERS,
+        Controller,
+        SizeLimits,
+        make_controller,
+        make_controller_for,
+    )
 
-__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
+__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller", "make_controller_for"]
 
 
 def __getattr__(name: str) -> object:

@@ -7,6 +7,7 @@ call makes the height maps of the terrains, which takes some seconds for each.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import tyro
@@ -25,7 +26,7 @@ from experiments.tables import Table
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
 from swarm_gym.problem.terrain.table import COSTS
-from swarm_gym.scenarios import expand_name
+from swarm_gym.scenarios import TerrainScenario, expand_name, make_scenario
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def write(config: TerrainConfig) -> list[Path]:
     known = least_costs(config.cost, terrains)
     made = [
         *tables(measured, terrains, asked, known),
-        *_control(config, chosen, measured, asked, known, folder, used),
+        *_control(config, chosen, measured, asked, terrains, known, folder, used),
     ]
     commits = commits_in(sorted(used))
     digests = digests_of_terrain(row.name for row in chosen)
@@ -121,6 +122,7 @@ def _control(
     chosen: Sequence[AnyRow],
     measured: dict[str, Floats],
     asked: Asked,
+    terrains: Sequence[str],
     known: Floats,
     folder: Path,
     used: set[Path],
@@ -142,7 +144,8 @@ def _control(
         group: min(own, key=lambda row: objective(found[row.name])).name if len(own) > 1 else own[0].name
         for group, own in groups.items()
     }
-    return [table_of_control(controlled, measured, rivals, asked, known)]
+    threats = [len(cast(TerrainScenario, make_scenario(name)).threats) for name in terrains]
+    return [table_of_control(controlled, measured, rivals, asked, known, threats)]
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ import tyro
 from gymnasium.error import DependencyNotInstalled
 from tqdm import tqdm
 
-from agents import Controller, make_controller
+from agents import Controller, make_controller_for
 from experiments.plots.video_files import VIDEO_FILES, Picture
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
@@ -92,7 +92,7 @@ def _check(config: VideoConfig) -> None:
 def _made(config: VideoConfig) -> tuple[Any, Controller]:
     """Return the environment and the controller."""
     runs = entrant(config.controller, "firefly")
-    controller = make_controller(runs.controller)
+    controller = make_controller_for(runs.optimizer, runs.controller)
     options: dict[str, Any] = {**runs.options, **controller.env_options()}
     if config.iterations is not None:
         options["iterations"] = config.iterations

@@ -20,13 +20,15 @@ from numpy.typing import NDArray
 
 from swarm_gym.action import ACTIONS, Action, make_action
 from swarm_gym.batch import Flags, Floats, SwarmBatch
-from swarm_gym.controllers import Controller, SizeLimits, make_controller
+from swarm_gym.controllers import Controller, make_controller, make_controller_for
 from swarm_gym.controllers.controller import require_trial
+from swarm_gym.controllers.registry import limits_of
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
+from swarm_gym.sources import GUIDED, SMOOTH
 
 # Options of a base that are not those of the environment: the policy has layouts of its own.
 _OF_THE_BASE_ALONE = ("observation", "action", "made_for")
@@ -71,7 +73,7 @@ class CorrectedBatch(SwarmBatch):
                 f"base {self._name} decides in the memory of the host; set device to 'cpu', or train with "
                 "the algorithm device-ppo, which corrects a base on a GPU"
             )
-        self.base = _controller_of(base, options)
+        self.base = _controller_of(base, optimizer, options)
         seen = make_observation(self.base.observation)
         chosen = _completed(self.base, optimizer, options)
         super().__init__(optimizer, chosen, num_swarms, num_threads, simulation_class, seen.arrival_window)
@@ -251,8 +253,8 @@ def _corrects(layout: Action, labels: tuple[str, ...]) -> bool:
     return scaled and not paced and layout.labels[: len(labels)] == labels
 
 
-def _controller_of(base: object, options: Mapping[str, object]) -> Controller:
-    """Return a controller, given itself or its name, for the population sizes that the options allow."""
+def _controller_of(base: object, optimizer: str, options: Mapping[str, object]) -> Controller:
+    """Return a controller, given itself or its name, for the population sizes that the swarms may have."""
     if isinstance(base, Controller):
         require_trial(base)
         return base
@@ -261,10 +263,9 @@ def _controller_of(base: object, options: Mapping[str, object]) -> Controller:
             f"base must be a controller, or the name of one such as 'spsfa-tip' or "
             f"'open-loop:three-cases', got {shown(base)}"
         )
-    if not set(_LIMITS) & set(options):
-        return make_controller(base)
-    sizes: list[Any] = [options.get(name, getattr(Settings, name)) for name in _LIMITS]
-    return make_controller(base, SizeLimits(*sizes))
+    if set(_LIMITS) & set(options):
+        return make_controller(base, limits_of(optimizer, options))
+    return make_controller_for(optimizer, base)
 
 
 def _completed(base: Controller, optimizer: str, options: Mapping[str, object]) -> dict[str, object]:
@@ -272,7 +273,9 @@ def _completed(base: Controller, optimizer: str, options: Mapping[str, object]) 
     needed: dict[str, object] = {**base.env_options()}
     for name in _OF_THE_BASE_ALONE:
         needed.pop(name, None)
-    if set(_SOURCE_OPTIONS) & set(options):
+    if options.get("source") == GUIDED and needed.get("source") == SMOOTH:
+        needed["source"] = GUIDED  # the base's amplitude holds around planned ways, too
+    elif set(_SOURCE_OPTIONS) & set(options):
         needed = {name: value for name, value in needed.items() if name not in _SOURCE_OPTIONS}
     completed = {**needed, **options}
     if "action" not in options:

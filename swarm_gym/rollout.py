@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller, beside_ways
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.history import HISTORY
 from swarm_gym.scenarios import Scenario
 from swarm_gym.simulation import Simulation
@@ -73,8 +73,7 @@ def run_episodes(
 
 def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: object) -> SwarmVectorEnv:
     """Return swarms with the options that a controller needs, for one episode each."""
-    needed = beside_ways(options.get("source"), controller.env_options())
-    chosen: dict[str, Any] = {**options, **needed}
+    chosen: dict[str, Any] = controller.options_with(options)
     return SwarmVectorEnv(num_swarms, optimizer, autoreset_mode=AutoresetMode.DISABLED, **chosen)
 
 

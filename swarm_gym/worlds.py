@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.kinds import kind_of, names_of_kinds, problem_of
-from swarm_gym.problem import MapProblem, OneMaxProblem, Problem
+from swarm_gym.problem import MapProblem, OneMaxProblem, Problem, TerrainProblem
 from swarm_gym.problem.grid.problem import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
@@ -220,6 +220,11 @@ class Worlds:
         self.compute_optima()
         for problem, optimum in zip(self.problems, as_numpy(self.optima), strict=True):
             if np.isnan(optimum):
+                if isinstance(problem, TerrainProblem):
+                    raise SettingError(
+                        f"{purpose} needs optima, and that of terrain {problem.scenario.name!r} cannot be "
+                        "computed; choose another one, such as reward 'final' or 'progress'"
+                    )
                 raise SettingError(
                     f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "
                     f"compute it with swarm_gym.reference.ensure_optima"

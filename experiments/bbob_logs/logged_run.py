@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from agents import Controller, make_controller
+from agents import Controller, make_controller_for
 from swarm_gym.comparing.entrants import Entrant, entrant, iterate
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
@@ -127,7 +127,7 @@ class LoggedExperiment:
 
     def run(self) -> Iterator[list[LoggedGroup]]:
         """Yield, for each function, the groups of all dimensions, once they have run."""
-        controller = make_controller(self.entrant.controller)
+        controller = make_controller_for(self.entrant.optimizer, self.entrant.controller)
         for function in dict.fromkeys(self.config.functions):
             dimensions = dict.fromkeys(self.config.dimensions)
             yield [self._group(controller, function, dimension) for dimension in dimensions]
@@ -156,10 +156,7 @@ class LoggedExperiment:
         return LoggedGroup(function, dimension, tuple(runs))
 
     def _options(self, controller: Controller, names: Sequence[str], dimension: int) -> dict[str, Any]:
-        options: dict[str, Any] = {
-            "max_evaluations": self.config.budget * dimension,
-            **controller.env_options(),
-        }
+        options: dict[str, Any] = controller.options_with({"max_evaluations": self.config.budget * dimension})
         enough = math.ceil(options["max_evaluations"] / controller.initial_population_size)
         return {
             "scenario": names,

@@ -8,6 +8,10 @@ best path by fitness is free; such a path may graze obstacles.
 `swarm-gym compare theory one-fifth --scenarios onemax:100 --optimizer one-plus-lambda-lambda` compares on bit
 strings. There the table has the evaluations until the optimum instead. It also has how far they are above the
 expected evaluations of the optimal control of lambda, where these ship.
+
+`swarm-gym compare fixed:60 linear-reduction --scenarios terrain:test:3 --optimizer differential-evolution
+--cost metabox --source guided --iterations 220 --max-evaluations 2500` compares over terrain. There the table
+has the cost, since optima are unknown.
 """
 
 import argparse
@@ -22,6 +26,8 @@ from swarm_gym.errors import MissingExtraError, SwarmGymError
 from swarm_gym.files import write_atomically
 
 MOST_SEEDS = 100_000  # validation and training take their seeds above
+# Options that reach all environments where they are given.
+OPTIONS = ("encoding", "source", "cost", "iterations", "max_evaluations")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -37,6 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             range(given.first_seed, given.first_seed + given.seeds),
             given.optimizer,
             lambda name: print(f"running {name}", file=sys.stderr, flush=True),
+            **{name: value for name in OPTIONS if (value := getattr(given, name)) is not None},
         )
         print(runs.table(given.price))
         if given.output is not None:
@@ -67,6 +74,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--optimizer", default="firefly", metavar="NAME", help="optimizer to control; default: %(default)s"
     )
+    parser.add_argument("--encoding", metavar="NAME", help="meaning of a member's numbers, e.g. bezier")
+    parser.add_argument("--source", metavar="NAME", help="where new members come from, e.g. smooth")
+    parser.add_argument("--cost", metavar="NAME", help="cost of flights over terrain, metabox or documented")
+    parser.add_argument("--iterations", type=int, metavar="N", help="number of iterations of an episode")
+    parser.add_argument("--max-evaluations", type=int, metavar="N", help="evaluation budget of an episode")
     parser.add_argument(
         "--price",
         type=float,

@@ -192,7 +192,9 @@ def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats
         scenarios: names of the scenarios.
         options: options of their environments.
     """
-    problems = [make_problem(name, **options) for name in scenarios]
+    # A budget must hold a first population, whose size controllers decide.
+    unlimited = {name: value for name, value in options.items() if name != "max_evaluations"}
+    problems = [make_problem(name, **unlimited) for name in scenarios]
     found = np.array([known_optimum(problem) for problem in problems])
     on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
     unknown = np.flatnonzero(np.isnan(found) & on_grids)

@@ -8,7 +8,7 @@ import numpy as np
 from swarm_gym.checks import require_integer
 from swarm_gym.comparing.compared_runs import ComparedRuns, least_evaluations_of, optima_of
 from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate
-from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers import Controller, make_controller_for
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import expand_name
@@ -65,7 +65,7 @@ def compare(
         runners = [(Entrant(optimizer, name), one) for name, one in controllers.items()]
     else:
         entrants = [entrant(name, optimizer) for name in controllers]
-        runners = [(runs, make_controller(runs.controller)) for runs in entrants]
+        runners = [(runs, make_controller_for(runs.optimizer, runs.controller)) for runs in entrants]
     optima, least = optima_of(names, options), least_evaluations_of(names, options)
     found = np.empty((3, len(runners), len(names), len(seeds)))
     for k, (label, (runs, controller)) in enumerate(zip(controllers, runners, strict=True)):

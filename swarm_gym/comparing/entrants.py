@@ -54,8 +54,8 @@ def entrant(name: str, optimizer: str) -> Entrant:
 
 
 def options_of(runs: Entrant, controller: Controller, options: Mapping[str, object]) -> dict[str, object]:
-    """Return the options of an entrant's environments; what the controller needs comes before all others."""
-    return {**options, **runs.options, **controller.env_options()}
+    """Return the options of an entrant's environments: those of all, its own, what its controller needs."""
+    return controller.options_with({**options, **runs.options})
 
 
 def environment_of(

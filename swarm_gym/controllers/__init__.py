@@ -6,10 +6,10 @@ from swarm_gym.lazy import lazy_names
 
 if TYPE_CHECKING:
     from swarm_gym.controllers.controller import Controller
-    from swarm_gym.controllers.registry import CONTROLLERS, make_controller
+    from swarm_gym.controllers.registry import CONTROLLERS, make_controller, make_controller_for
     from swarm_gym.controllers.size_limits import SizeLimits
 
-__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
+__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller", "make_controller_for"]
 
 # The registry imports the whole simulation.
 __getattr__ = lazy_names(
@@ -19,5 +19,6 @@ __getattr__ = lazy_names(
         "Controller": "controller",
         "SizeLimits": "size_limits",
         "make_controller": "registry",
+        "make_controller_for": "registry",
     },
 )

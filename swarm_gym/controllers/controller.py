@@ -109,6 +109,23 @@ class Controller(ABC):
             options["made_for"] = self.made_for
         return options
 
+    def options_with(self, given: Mapping[str, object]) -> dict[str, object]:
+        """Return options of an environment for this controller: given ones, and those that it needs.
+
+        The needs of the controller replace what is given, with two exceptions. If the given source is guided,
+        smooth members of the controller lie around planned ways. A given evaluation budget holds.
+
+        Args:
+            given: options of the environment by name.
+
+        Raises:
+            SettingError: if the controller asks for uniform members in a guided environment.
+        """
+        needed = beside_ways(given.get("source"), self.env_options())
+        if given.get("max_evaluations") is not None:
+            needed.pop("max_evaluations", None)
+        return {**given, **needed}
+
 
 class Wrapper(Controller):
     """A controller around another one, with the same environment; it changes observations or decisions.

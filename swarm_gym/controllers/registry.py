@@ -4,10 +4,10 @@ CONTRIBUTING.md lists the steps to add one.
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from swarm_gym.controllers import onemax_rules, onemax_schedules
 from swarm_gym.controllers.controller import Controller, SizeLimits, require_trial
@@ -33,9 +33,13 @@ from swarm_gym.controllers.size_rules import (
 )
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.errors import shown
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.own_code import OwnCodeError, find, is_own, own, refuse_unless_given
+from swarm_gym.settings import Settings
 
-__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller"]
+__all__ = [
+    "CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller", "make_controller_for",
+]  # fmt: skip
 
 
 def make_controller(name: str | ControllerName, limits: SizeLimits | None = None) -> Controller:
@@ -77,6 +81,33 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     if limits is None and parts.family in _WITH_LIMITS:
         return _WITH_LIMITS[parts.family](parts.argument)
     return make(parts.argument, limits or SizeLimits())
+
+
+def make_controller_for(optimizer: str, name: str) -> Controller:
+    """Return a controller by its name, for the population sizes that an optimizer has by default.
+
+    Policies and tuned controllers keep the sizes that they were made with.
+
+    Raises:
+        UnknownNameError: for an unknown family or optimizer.
+        ValueError: as in `make_controller`.
+    """
+    parts = ControllerName.parse(name)
+    return make_controller(name, None if parts.family in _WITH_LIMITS else limits_of(optimizer, {}))
+
+
+def limits_of(optimizer: str, options: Mapping[str, object]) -> SizeLimits:
+    """Return the population sizes that environments of an optimizer allow.
+
+    Args:
+        optimizer: name of the optimizer, whose defaults hold for what the options do not say.
+        options: options of the environment by name.
+    """
+    chosen = {**get_optimizer(optimizer).default_options, **options}
+    sizes: list[Any] = [
+        chosen.get(name, getattr(Settings, name)) for name in ("min_population_size", "max_population_size")
+    ]
+    return SizeLimits(*sizes)
 
 
 def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> FeedforwardController:

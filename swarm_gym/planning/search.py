@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers import Controller, make_controller_for
 from swarm_gym.env import SwarmEnv
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
@@ -61,7 +61,7 @@ class EpisodeSearch:
         usual, usual_controller = ON_GRIDS if on_grid else ON_OBSTACLES
         name = optimizer or usual
         known = controller or (usual_controller if name == usual else "fixed:60")
-        self._controller: Controller = make_controller(known)
+        self._controller: Controller = make_controller_for(name, known)
         options: dict[str, Any] = {"iterations": ITERATIONS.get(name, FEW_ITERATIONS)}
         if on_grid and "bezier" in get_optimizer(name).encodings:
             options["encoding"] = "bezier"

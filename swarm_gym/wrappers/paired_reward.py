@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import AnyArray
 from swarm_gym.controllers import Controller, SizeLimits, make_controller
 from swarm_gym.errors import SettingError, shown
+from swarm_gym.settings import Settings
+from swarm_gym.sources import GUIDED
 from swarm_gym.vector_env import Infos
 from swarm_gym.wrappers.grouped_episodes import require_native
 
@@ -71,6 +73,12 @@ class Reference:
         self._returns[ended] = 0.0
 
 
+def _start(settings: Settings) -> tuple[int, str]:
+    """Return the size of the first population, and where its members come from."""
+    source = str(settings.new_members)
+    return settings.initial_population_size, f"{GUIDED} {source}" if settings.source == GUIDED else source
+
+
 class PairedReward(VectorWrapper):
     """Episodes whose last reward is less by what a reference controller earns from the same start.
 
@@ -101,11 +109,11 @@ class PairedReward(VectorWrapper):
             raise SettingError(
                 f"reference {name} observes a price, but a reference pays none; choose another one"
             )
-        changes: dict[str, Any] = {"price": 0.0, "max_evaluations": None, **controller.env_options()}
+        unpriced = {"source": settings.source, "price": 0.0, "max_evaluations": None}
+        changes: dict[str, Any] = controller.options_with(unpriced)
         twin = swarms.twin(**changes)
-        starts = [(one.settings.initial_population_size, one.settings.new_members) for one in (swarms, twin)]
-        if starts[0] != starts[1]:
-            (size, source), (theirs, other) = starts
+        (size, source), (theirs, other) = (_start(one.settings) for one in (swarms, twin))
+        if (size, source) != (theirs, other):
             raise SettingError(
                 f"reference {name} begins with {theirs} members from {other}, but the swarms with {size} "
                 f"from {source}: a paired reward compares equal starts; change initial_population_size or "

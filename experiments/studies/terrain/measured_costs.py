@@ -1,6 +1,7 @@
 """Costs of the best flights of this study's rows, in files that a later call goes on from."""
 
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -159,8 +160,8 @@ def measure_all(
 
 def _file_name(setting: Setting) -> str:
     """Return the name of a file without its number of runs."""
-    parts = (setting.terrain.replace(":", "-"), setting.cost, setting.row, str(setting.evaluations))
-    return "-".join(parts).replace(", ", "-").replace(" ", "-")
+    name = "-".join((setting.terrain, setting.cost, setting.row, str(setting.evaluations)))
+    return re.sub(r", |[ :/\\]", "-", name)
 
 
 def _identity(row: AnyRow, problem: Problem, evaluations: int) -> dict[str, object]:

@@ -7,6 +7,7 @@ cent of the cost. Trainings maximise a logarithm, too. The rival is chosen on te
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from experiments.studies.terrain.measured_costs import Asked, Floats
 from experiments.studies.terrain.rows import ControlledRow, Row
@@ -15,7 +16,7 @@ from experiments.tables import Table
 from experiments.tables.cell import MISSING, Entry, number, number_in
 from swarm_gym.comparing.bootstrap import draw, interval, means
 
-FEW, MANY = 15, 30  # threats
+MOST_GROUPS = 4  # of terrains with equally many threats that have columns of their own
 # Rows of docs/terrain.md; its appendix has all.
 IN_SHORT = (
     "L-SHADE, SPSFA-TIP, tuned", "L-SHADE, blind schedule, with sources", "L-SHADE, learned, size and phi",
@@ -47,19 +48,23 @@ def table_of_control(
     rivals: Mapping[tuple[str, str], str],
     asked: Asked,
     best: Floats,
+    threats: Sequence[int],
 ) -> Table:
     """Return the table.
 
     Args:
         rows: rows that have a line, those of one group together, if their group has a rival and they are for
             the first budget.
-        measured: costs, (terrains, budgets, training seeds * runs), of these rows by name. The first half of
-            the terrains has few threats.
+        measured: costs, (terrains, budgets, training seeds * runs), of these rows by name.
         rivals: name of the row of each group, an optimizer and an encoding, that others are compared with.
         asked: runs of each row; the controllers are compared after the first budget.
         best: (terrains,) costs of the best known flights.
+        threats: (terrains,) number of threats; resamples keep how many terrains have equally many.
     """
-    half = len(best) // 2
+    counts = sorted({*threats})
+    strata = {f"excess, {count} threats": np.flatnonzero(np.equal(threats, count)) for count in counts}
+    if len(counts) > MOST_GROUPS:
+        strata = {"excess": np.arange(len(best))}
     lines = []
     for row in rows:
         costs = measured[row.name][:, 0]
@@ -70,14 +75,15 @@ def table_of_control(
         line: dict[str, Entry] = {
             "controller": row.controlled_name,
             "policies": number(len(row.controllers), ".0f") if row.is_learned else MISSING,
-            f"excess, {FEW} threats": number(excess[:half].mean(), ".1f"),
-            f"excess, {MANY} threats": number(excess[half:].mean(), ".1f"),
+            **{name: number(excess[own].mean(), ".1f") for name, own in strata.items()},
             "median": number(np.median(excess), ".1f"),
             "objective minus that of the rival": MISSING,
         }
         if row.name != rival:
             policies = costs.reshape(len(costs), len(row.controllers), -1)
-            line["objective minus that of the rival"] = _difference(policies, measured[rival][:, 0])
+            line["objective minus that of the rival"] = _difference(
+                policies, measured[rival][:, 0], [*strata.values()]
+            )
         lines.append(line)
     named = "; ".join(dict.fromkeys(rivals.values()))
     which = "the rule or blind controller"
@@ -94,16 +100,17 @@ def table_of_control(
     return Table.of(f"{asked.cost}-control", caption, lines)
 
 
-def _difference(policies: Floats, rival: Floats) -> Entry:
+def _difference(policies: Floats, rival: Floats, groups: Sequence[NDArray[np.int64]]) -> Entry:
     """Return the difference of two objectives with its interval; runs of equal seeds are compared.
 
     Args:
         policies: (terrains, policies, runs) costs of one row.
         rival: (terrains, at least as many runs) costs of the other.
+        groups: numbers of the terrains of each group, from which resamples draw equally many.
     """
-    terrains, _, runs = policies.shape
+    runs = policies.shape[2]
     mine, theirs = np.log(policies).swapaxes(0, 1), np.log(rival[:, :runs])
     differences = 100.0 * (mine - theirs)  # (policies, terrains, runs)
-    halves = (terrains // 2, terrains - terrains // 2)
-    ends = interval(means(differences, draw(len(differences), halves, runs)))
+    draws = draw(len(differences), tuple(map(len, groups)), runs)
+    ends = interval(means(differences[:, np.concatenate(groups)], draws))
     return number_in(float(differences.mean()), ends, "+.2f")

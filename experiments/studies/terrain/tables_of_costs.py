@@ -7,7 +7,7 @@ import numpy as np
 from experiments.studies.terrain.measured_costs import Asked, Floats
 from experiments.studies.terrain.rows import PEERS, PLANNED
 from experiments.tables import Table
-from experiments.tables.cell import Entry, number
+from experiments.tables.cell import MISSING, Entry, number
 
 # Of each library the row with the least mean excess after 2,500 evaluations.
 FIRST_OF_LIBRARIES = (
@@ -85,10 +85,14 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         for k, evaluations in enumerate(asked.evaluations):
             row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".1f")
             row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".1f")
-        row["first on terrains"] = number(_firsts(measured, name, 0), ".0f")
+        least = float(excess[:, 0].mean())
+        is_for_first = not np.isnan(least)
+        firsts = number(_firsts(measured, name, 0), ".0f")
+        row["first on terrains"] = firsts if is_for_first else MISSING
         if peer:
-            row["below the best peer"] = _below(measured, name, peer)
-        found.append((float(np.nanmean(excess[:, 0])), row))
+            row["below the best peer"] = _below(measured, name, peer) if is_for_first else MISSING
+        found.append((least if is_for_first else np.inf, row))
+    compared = sum(not np.isnan(costs[:, 0]).any() for costs in measured.values())
     below = ""
     if peer:
         below = (
@@ -99,7 +103,7 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
         f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
         f"many evaluations. First on terrains: where the mean after {asked.evaluations[0]:,} is the least of "
-        f"all {len(measured)} rows of these runs. "
+        f"all {compared} rows of these runs. "
         f"{below}What planning takes is not in the evaluations"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
@@ -111,7 +115,7 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     excess = {
         name: float((costs[:, 0] / best[:, None]).mean())
         for name, costs in measured.items()
-        if _is_peer(name)
+        if _is_peer(name) and not np.isnan(costs[:, 0]).any()
     }
     return min(excess, key=lambda name: excess[name], default=None)
 

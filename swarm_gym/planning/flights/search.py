@@ -2,17 +2,19 @@
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers import Controller, make_controller_for
 from swarm_gym.env import SwarmEnv
 from swarm_gym.planning.flights.measures import length_of
 from swarm_gym.planning.flights.profile import flown, least_climb
 from swarm_gym.planning.flights.result import FlightImprovement
 from swarm_gym.problem import TerrainProblem
 from swarm_gym.scenarios.terrain.survey import Survey
+from swarm_gym.sources import GUIDED
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +41,8 @@ class FlightSearch:
         began: float,
     ):
         self._task, self._optimizer = task, optimizer or OPTIMIZER
-        self._controller: Controller = make_controller(controller or CONTROLLER)
+        self._controller: Controller = make_controller_for(self._optimizer, controller or CONTROLLER)
+        self._options: dict[str, Any] = self._controller.options_with({"source": GUIDED})
         self._seed, self._began, self._episodes = seed, began, 0
         self._environments: dict[int, SwarmEnv] = {}
         self._refused: list[Floats] = []  # routes that cannot be flown
@@ -79,8 +82,7 @@ class FlightSearch:
                 scenario=self._task.scenario,
                 num_waypoints=count,
                 iterations=ITERATIONS,
-                source="guided",
-                **self._controller.env_options(),
+                **self._options,
             )
             self._keep_ways(self._environments[count])
         if self.improvements and time.monotonic() >= limit:

@@ -265,6 +265,7 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
             {("firefly", "waypoints"): blind.name},
             Asked("metabox", (EVALUATIONS,), costs.shape[2], 2, 2),
             np.full(4, 10.0),
+            [15, 15, 30, 30],
         )
         for costs in (rival, further)
     )
@@ -277,6 +278,53 @@ def test_controllers_are_compared_with_their_rival_seed_by_seed():
     assert difference.numbers["low"] == pytest.approx(-4.0)
     assert difference.numbers["high"] == pytest.approx(-2.0)
     assert objective(np.full(3, np.e)) == pytest.approx(100.0)
+
+
+def test_terrains_with_equally_many_threats_stand_together_in_any_order():
+    costs = np.exp(np.random.default_rng(1).uniform(8, 9, (6, 1, 2)))
+    blind = ControlledRow("constants", "firefly", "guided", ("fixed:20",))
+    policy = ControlledRow("learned", "firefly", "guided", ("learned:a/0",))
+    measured = {blind.name: costs, policy.name: costs * np.linspace(0.9, 1.0, 6)[:, None, None]}
+
+    def table(order, threats):
+        chosen = {name: found[order] for name, found in measured.items()}
+        rivals = {("firefly", "waypoints"): blind.name}
+        asked = Asked("metabox", (EVALUATIONS,), 2, 2, 2)
+        return table_of_control([blind, policy], chosen, rivals, asked, np.full(len(order), 10.0), threats)
+
+    sorted_ones, mixed = (
+        table([0, 1, 2, 3, 4, 5], [15] * 2 + [30] * 4),
+        table([2, 0, 3, 4, 1, 5], [30, 15, 30, 30, 15, 30]),
+    )
+    assert mixed.rows[1] == sorted_ones.rows[1]
+    assert mixed.columns[2:4] == ("excess, 15 threats", "excess, 30 threats")
+    assert mixed.rows[0][2].numbers["value"] == pytest.approx(100 * (costs[:2].mean() / 10 - 1))
+    [_, line] = table([3], [7]).rows
+    assert line[-1].numbers["value"] == pytest.approx(100 * np.log(0.96))
+    assert table([0, 1, 2, 3, 4, 5], range(6)).columns[2:4] == ("excess", "median")
+
+
+def test_rows_that_are_not_for_the_first_budget_come_last_and_have_no_place_there():
+    first = np.full((2, 2, 2), 20.0)
+    later = np.full((2, 2, 2), 15.0)
+    later[:, 0] = np.nan
+    measured = {"later, uniform": later, "pymoo DE, waypoints": 1.5 * first, "first, uniform": first}
+    measured["cmaes CMA-ES, spherical"] = later
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100, 200), 2, 2), NONE)
+    assert [str(row[0]) for row in short.rows] == [
+        "first, uniform", "pymoo DE, waypoints", "later, uniform", "cmaes CMA-ES, spherical"
+    ]  # fmt: skip
+    assert [str(cell) for cell in short.rows[2]][-2:] == ["–", "–"]
+    assert [str(cell) for cell in short.rows[0]][-2:] == ["2", "2"]
+    assert "that of pymoo DE, waypoints, the library row" in short.caption
+    assert "of all 2 rows of these runs" in short.caption
+
+
+def test_runs_over_a_map_of_the_user_lie_in_the_folder_itself(tmp_path, monkeypatch):
+    name = "terrain-file:/maps/of the/dem.asc"
+    monkeypatch.setattr(measured_costs, "make_scenario", lambda _: rolling_terrain(2))
+    measure(PlannedRow(), name, ASKED, tmp_path)
+    assert {file.parent for file in tmp_path.rglob("*.json")} == {tmp_path}
 
 
 def test_controllers_without_a_rival_or_without_runs_have_no_line():
@@ -294,6 +342,7 @@ def test_controllers_without_a_rival_or_without_runs_have_no_line():
         {("firefly", "waypoints"): blind.name},
         Asked("metabox", (20_000,), 2, 2),
         np.full(4, 10.0),
+        [15] * 4,
     )
     assert [str(row[0]) for row in table.rows] == ["fireflies, constants"]
     assert "after 20,000 evaluations" in table.caption

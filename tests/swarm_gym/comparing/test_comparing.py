@@ -148,6 +148,17 @@ def test_the_command_prints_the_table_and_writes_all_runs(tmp_path, capsys):
     assert [float(row[3]) for row in rows] == again.fitness.ravel().tolist()
 
 
+def test_the_command_compares_with_options_of_environments(tmp_path):
+    path = tmp_path / "runs.csv"
+    options = {"source": "smooth", "encoding": "bezier", "iterations": 9, "max_evaluations": 40}
+    given = [word for name, value in options.items() for word in (f"--{name.replace('_', '-')}", str(value))]
+    main(["fixed:8", "--scenarios", "rooms:0", "--seeds", "2", "--output", str(path), *given])
+    _, *rows = csv.reader(path.read_text().splitlines())
+    again = compare(["fixed:8"], ["rooms:0"], range(2), **options)
+    assert [float(row[3]) for row in rows] == again.fitness.ravel().tolist()
+    assert (again.evaluations <= 40).all()
+
+
 @pytest.mark.parametrize("options", [["--seeds", "1"], ["--price", "-1"], ["--first-seed", "100000"]])
 def test_the_command_ends_with_a_message_for_bad_input(options):
     with pytest.raises(SystemExit) as ended:

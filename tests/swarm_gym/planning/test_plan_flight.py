@@ -77,6 +77,14 @@ def test_a_flight_between_threats_is_free_and_longer_time_is_no_worse(grid, smal
     assert found.sharpest_turn <= 45.0
 
 
+@pytest.mark.parametrize("controller", ["fixed:20,smooth_share=1,amplitude=0.05", "spsfa-tip"])
+def test_controllers_with_members_and_sizes_of_their_own_fly(grid, small, controller):
+    path, threats = grid
+    found = plan_flight(path, START, GOAL, threats=threats, controller=controller, max_evaluations=1000)
+    assert faults(found.map, found.waypoints.tolist()) == []
+    assert found.evaluations >= 1000
+
+
 def test_a_budget_that_planning_has_spent_leaves_nothing_to_a_swarm(grid, small):
     path, threats = grid
     found = plan_flight(path, START, GOAL, threats=threats, optimizer="firefly", max_seconds=1e-3)

@@ -2,12 +2,16 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
 from helpers.terrains import rolling_terrain
-from swarm_gym.controllers import make_controller
+from swarm_gym.comparing import compare
+from swarm_gym.comparing.entrants import entrant, environment_of
+from swarm_gym.controllers import SizeLimits, make_controller, make_controller_for
 from swarm_gym.controllers.controller import beside_ways
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.rollout import swarms_for
 from swarm_gym.scenarios import registry
@@ -18,6 +22,8 @@ from swarm_gym.tuning import command_line
 from swarm_gym.tuning.config import TuneConfig
 from swarm_gym.tuning.knots import KnotSpace
 from swarm_gym.tuning.side_by_side import SideBySide
+from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.wrappers import PairedReward
 
 TERRAIN = {"cost": "metabox", "source": "guided", "max_evaluations": 150, "iterations": 30}
 FIRST = "fixed:8,smooth_share=1,amplitude=0.1"
@@ -56,6 +62,61 @@ def test_a_controller_keeps_the_ways_of_a_guided_environment():
     assert beside_ways("uniform", needed) == needed
     with pytest.raises(SettingError, match=r"'guided'.*mixed members.*first smooth share is 1"):
         beside_ways("guided", needed)
+
+
+def test_a_given_budget_holds_also_for_a_policy_that_was_trained_with_another_one():
+    policy = make_controller("learned:terrain-sourced/0")
+    own = policy.env_options()["max_evaluations"]
+    assert policy.options_with({"max_evaluations": 2 * own})["max_evaluations"] == 2 * own
+    assert policy.options_with({"max_evaluations": None})["max_evaluations"] == own
+    assert policy.options_with({"observation": "own"})["observation"] == policy.observation
+
+
+def test_comparisons_and_references_keep_planned_ways():
+    options = {"cost": "metabox", "source": "guided", "iterations": 5}
+    env = environment_of(entrant(FIRST, "firefly"), make_controller(FIRST), "little", options)
+    assert env.unwrapped.settings.source == "guided"
+    reward = {"reward": "final", "price": 0.0, "initial_population_size": 8, "amplitude": 0.1}
+    swarms = SwarmVectorEnv(
+        2, "firefly", scenario="little", autoreset_mode=AutoresetMode.SAME_STEP, **options, **reward
+    )
+    paired = PairedReward(swarms, FIRST)
+    paired.reset(seed=5)
+    twin = paired._reference.env.unwrapped.simulation
+    np.testing.assert_array_equal(twin.swarms.best_fitness, swarms.simulation.swarms.best_fitness)
+
+
+def test_sizes_of_a_schedule_fit_the_optimizer():
+    options = {"cost": "metabox", "source": "guided", "iterations": 20}
+    found = compare(["spsfa-tip"], ["little"], range(2), "differential-evolution", **options)
+    assert np.isfinite(found.fitness).all()
+    assert make_controller_for("differential-evolution", "spsfa-tip").limits == SizeLimits(4, 200)
+    assert make_controller_for("firefly", "spsfa-tip").limits == SizeLimits(2, 200)
+
+
+def test_a_reference_with_other_members_is_refused():
+    swarms = SwarmVectorEnv(
+        2, "firefly", scenario="little", cost="metabox", source="guided", amplitude=0.1, reward="progress",
+        initial_population_size=8, autoreset_mode=AutoresetMode.SAME_STEP,
+    )  # fmt: skip
+    PairedReward(swarms, "fixed:8")
+    with pytest.raises(SettingError, match=r"begins with 8 members from guided.*0\.2.*guided Source.*0\.1"):
+        PairedReward(swarms, "fixed:8,smooth_share=1,amplitude=0.2")
+    with pytest.raises(SettingError, match="'guided': the controller begins with mixed members"):
+        PairedReward(swarms, "fixed:8,smooth_share=0.5,amplitude=0.1")
+
+
+def test_the_amplitude_of_a_base_holds_around_planned_ways():
+    options = {"scenario": "little", "cost": "metabox", "iterations": 5, "base": FIRST}
+    settings = SwarmEnv("firefly", source="guided", **options).settings
+    assert (settings.source, settings.new_members) == ("guided", Source(1.0, 0.1))
+    given = SwarmEnv("firefly", source="guided", amplitude=0.3, **options).settings
+    assert given.new_members == Source(1.0, 0.3)
+
+
+def test_a_reward_that_needs_the_optimum_of_a_terrain_is_refused():
+    with pytest.raises(SettingError, match=r"'optimality' needs optima.*terrain.*cannot be.*'progress'"):
+        SwarmEnv("firefly", scenario="little", reward="optimality")
 
 
 def test_a_tuning_has_the_encoding_of_its_preset(monkeypatch):
