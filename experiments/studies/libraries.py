@@ -46,19 +46,20 @@ class Counted:
     Args:
         problem: the problem, whose fitness is the cost.
         evaluations: number of calls that count.
+        is_timed: true to measure the time of the calls, which makes them slower.
 
     Attributes:
         dimension: length of a vector.
         calls: number of calls.
-        seconds: processor time of all calls.
-        library_seconds: processor time of the run without these calls; 0 before `run_peer` has ended.
+        seconds: processor time of all calls, or 0 if they are not timed.
+        library_seconds: processor time of the run without timed calls; 0 before `run_peer` has ended.
         left: number of calls that still count.
         best: least cost so far.
         vector: decision vector of that cost, within the bounds of the problem.
     """
 
-    def __init__(self, problem: Problem, evaluations: int):
-        self._problem = problem
+    def __init__(self, problem: Problem, evaluations: int, is_timed: bool = False):
+        self._problem, self._is_timed = problem, is_timed
         self._lower, self._upper = problem.bounds
         self.dimension = problem.dimension
         self.calls, self.seconds, self.library_seconds = 0, 0.0, 0.0
@@ -68,7 +69,14 @@ class Counted:
 
     def __call__(self, shares: Floats) -> float:
         """Return the cost of a vector of shares of the ranges."""
+        if not self._is_timed:
+            return self._cost(shares)
         before = time.process_time()
+        cost = self._cost(shares)
+        self.seconds += time.process_time() - before
+        return cost
+
+    def _cost(self, shares: Floats) -> float:
         inside = np.clip(np.asarray(shares, dtype=np.float64), 0.0, 1.0)
         vector = self._lower + inside * (self._upper - self._lower)
         cost, _ = self._problem.evaluate(vector)
@@ -77,7 +85,6 @@ class Counted:
             if cost < self.best:
                 self.best, self.vector = cost, vector
         self.calls += 1
-        self.seconds += time.process_time() - before
         return cost
 
 
@@ -185,7 +192,7 @@ def installed(peers: Iterable[str]) -> list[str]:
     return [peer for peer in peers if not (missing and peer.startswith(f"{OPTIONAL} "))]
 
 
-def run_peer(peer: str, problem: Problem, evaluations: int, seed: int) -> Counted:
+def run_peer(peer: str, problem: Problem, evaluations: int, seed: int, is_timed: bool = False) -> Counted:
     """Return the cost function after a run of a peer, with the least cost and its vector.
 
     Args:
@@ -193,8 +200,9 @@ def run_peer(peer: str, problem: Problem, evaluations: int, seed: int) -> Counte
         problem: the problem.
         evaluations: number of evaluations.
         seed: seed of the peer's random numbers.
+        is_timed: true to measure the time of the calls of the cost function.
     """
-    cost = Counted(problem, evaluations)
+    cost = Counted(problem, evaluations, is_timed)
     before = time.process_time()
     PEERS[peer](cost, seed)
     cost.library_seconds = time.process_time() - before - cost.seconds

@@ -89,7 +89,7 @@ def _their_run(peer: str, scenario: str, num_runs: int, evaluations: int) -> tup
     """Return gaps, and evaluations in a second of processor time without the time of the function."""
     problem, gaps, calls, seconds = make_problem(scenario), [], 0, 0.0
     for seed in TEST[:num_runs]:
-        cost = run_peer(peer, problem, evaluations, seed)
+        cost = run_peer(peer, problem, evaluations, seed, is_timed=True)
         seconds += cost.library_seconds
         calls += cost.calls
         gaps.append(cost.best)

@@ -78,7 +78,7 @@ def _run(row: Entrant, scenario: str, num_runs: int, evaluations: int) -> Both:
     problem = make_problem(scenario)
     theirs, speeds = [], []
     for seed in TEST[:num_runs]:
-        cost = run_peer(PYCMA, problem, evaluations, seed)
+        cost = run_peer(PYCMA, problem, evaluations, seed, is_timed=True)
         speeds.append(cost.calls / cost.library_seconds)
         theirs.append(cost.best)
     return Both(ours, np.array(theirs), np.array([our_speed]), np.array([np.mean(speeds)]))
