@@ -128,7 +128,7 @@ def _measure(
 
     kept = None
     if known.runs < runs and isinstance(row, PeerRow):
-        kept = kept_runs(setting, repr(problem.identity))
+        kept = kept_runs(setting, problem)
     if kept is not None and known.runs < min(runs, len(kept.costs)):
         known = _Found(min(runs, len(kept.costs)), kept.costs[:runs], [])
         files = [store(known, {"commit": kept.commit})]

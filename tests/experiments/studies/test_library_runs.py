@@ -1,5 +1,7 @@
 """Kept runs of libraries over terrain: each library has them, and they can be made again."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -40,8 +42,18 @@ def test_each_library_has_as_many_runs_over_every_terrain():
 def test_a_kept_run_is_made_again(row, terrain):
     peer, encoding = row.split(", ")
     problem = make_problem(make_scenario(terrain), encoding=encoding, cost="metabox")
-    kept = kept_runs(Setting(row, "metabox", 20_000, terrain), repr(problem.identity))
+    kept = kept_runs(Setting(row, "metabox", 20_000, terrain), problem)
     assert kept is not None
     # Runs of cmaes and niapy depend on NumPy's code for the processor; those of the others do not.
     if peer.startswith(("pymoo", "mealpy")):
-        assert run_peer(peer, problem, 20_000, TEST[RUNS - 1]).best == kept.costs[RUNS - 1]
+        found = run_peer(peer, problem, 20_000, TEST[RUNS - 1]).best
+        assert found == pytest.approx(kept.costs[RUNS - 1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("change", "is_known"), [(1e-12, True), (1e-3, False)])
+def test_last_digits_of_heights_do_not_matter(change, is_known):
+    setting = Setting("pymoo DE, waypoints", "metabox", 20_000, "terrain:test:3")
+    scenario = make_scenario(setting.terrain)
+    moved = dataclasses.replace(scenario, heights=scenario.heights * (1.0 + change))
+    found = kept_runs(setting, make_problem(moved, encoding="waypoints", cost="metabox"))
+    assert (found is not None) == is_known
