@@ -23,6 +23,8 @@ from swarm_gym.rendering import HEIGHTS, WIDTHS
 # A GIF counts hundredths of a second, and players do not show a picture for one hundredth only.
 MOST_FPS = 50
 
+OPTIONS = ("iterations", "max_evaluations", "encoding", "source", "cost")  # of the environment
+
 
 @dataclass(frozen=True)
 class VideoConfig:
@@ -36,6 +38,14 @@ class VideoConfig:
     """Scenario to run on, e.g. case1 or rooms:0."""
     iterations: int | None = None
     """Length of the episode in iterations; by default that of the optimizer's environment."""
+    max_evaluations: int | None = None
+    """Evaluation budget of the episode; by default that of the controller, if it has one."""
+    encoding: str | None = None
+    """Meaning of a member's numbers, e.g. bezier."""
+    source: str | None = None
+    """Origin of new members, e.g. smooth."""
+    cost: str | None = None
+    """Cost of flights over terrain, metabox or documented."""
     seed: int = 0
     """Seed of the episode."""
     fps: int = 12
@@ -93,9 +103,8 @@ def _made(config: VideoConfig) -> tuple[Any, Controller]:
     """Return the environment and the controller."""
     runs = entrant(config.controller, "firefly")
     controller = make_controller_for(runs.optimizer, runs.controller)
-    options: dict[str, Any] = {**runs.options, **controller.env_options()}
-    if config.iterations is not None:
-        options["iterations"] = config.iterations
+    given = {name: value for name in OPTIONS if (value := getattr(config, name)) is not None}
+    options: dict[str, Any] = controller.options_with({**runs.options, **given})
     env = gymnasium.make(
         environment_id(runs.optimizer),
         scenario=config.scenario,

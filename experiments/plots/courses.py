@@ -170,19 +170,24 @@ def draw_best_paths(case: CaseRuns) -> Figure:
 
 
 def draw_best_path_maps(cases: list[CaseRuns]) -> Figure:
-    """Draw the best path of each controller and the shortest path, one panel per map."""
+    """Draw the best path of each controller, and the shortest path where one is known, one panel per map."""
     columns_of_panels = min(len(cases), 3)
     rows = math.ceil(len(cases) / columns_of_panels)
     figure = new_figure(3.4 * columns_of_panels, 3.5 * rows + 0.6)
     panels = figure.subplots(rows, columns_of_panels, squeeze=False).flat
     for axes, case in zip(panels, cases, strict=False):
         map_plot.draw_map(axes, case.scenario)
-        length, points = shortest_path(case.scenario)
-        map_plot.draw_shortest_path(axes, points, "exact shortest path")
+        title = case.scenario.name
+        try:
+            length, points = shortest_path(case.scenario)
+            map_plot.draw_shortest_path(axes, points, "exact shortest path")
+            title += f", shortest {length:.1f}"
+        except ScenarioError:  # obstacles separate start and target, or the scenario has no map
+            pass
         for order, (controller, runs) in enumerate(case.runs.items()):
             best = min(runs, key=lambda run: run.final_fitness)
             map_plot.draw_best_path(axes, best, case.styles[controller], label(controller), order)
-        axes.set(title=f"{case.scenario.name}, shortest {length:.1f}", xticks=[], yticks=[])
+        axes.set(title=title, xticks=[], yticks=[])
     for axes in list(panels):
         axes.set_axis_off()
     figure.suptitle("Best path of all runs of each method")

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import gap_to_optimum, known_optimum, quick_optima
 from swarm_gym.reference.onemax.optima import COUNTINGS, least_evaluations
 from swarm_gym.scenarios import GridScenario, OneMaxScenario, make_scenario
+from swarm_gym.settings import Settings
 from swarm_gym.worlds import make_problem
 
 Floats = NDArray[np.float64]
@@ -192,9 +193,11 @@ def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats
         scenarios: names of the scenarios.
         options: options of their environments.
     """
-    # A budget must hold a first population, whose size controllers decide.
-    unlimited = {name: value for name, value in options.items() if name != "max_evaluations"}
-    problems = [make_problem(name, **unlimited) for name in scenarios]
+    # Without parameters of optimizers, and without a budget: whether it holds the first population depends on
+    # the controller.
+    names = {one.name for one in fields(Settings)} - {"max_evaluations"}
+    known = {name: value for name, value in options.items() if name in names}
+    problems = [make_problem(name, **known) for name in scenarios]
     found = np.array([known_optimum(problem) for problem in problems])
     on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
     unknown = np.flatnonzero(np.isnan(found) & on_grids)

@@ -65,7 +65,7 @@ def compare(
         runners = [(Entrant(optimizer, name), one) for name, one in controllers.items()]
     else:
         entrants = [entrant(name, optimizer) for name in controllers]
-        runners = [(runs, make_controller_for(runs.optimizer, runs.controller)) for runs in entrants]
+        runners = [(runs, make_controller_for(runs.optimizer, runs.controller, options)) for runs in entrants]
     optima, least = optima_of(names, options), least_evaluations_of(names, options)
     found = np.empty((3, len(runners), len(names), len(seeds)))
     for k, (label, (runs, controller)) in enumerate(zip(controllers, runners, strict=True)):

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, cast
 
 from swarm_gym.controllers import onemax_rules, onemax_schedules
@@ -83,17 +84,24 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     return make(parts.argument, limits or SizeLimits())
 
 
-def make_controller_for(optimizer: str, name: str) -> Controller:
-    """Return a controller by its name, for the population sizes that an optimizer has by default.
+def make_controller_for(
+    optimizer: str, name: str, options: Mapping[str, object] = MappingProxyType({})
+) -> Controller:
+    """Return a controller by its name, for the population sizes that an optimizer's environments allow.
 
     Policies and tuned controllers keep the sizes that they were made with.
+
+    Args:
+        optimizer: name of the optimizer.
+        name: name for `make_controller`.
+        options: options of the environments by name.
 
     Raises:
         UnknownNameError: for an unknown family or optimizer.
         ValueError: as in `make_controller`.
     """
     parts = ControllerName.parse(name)
-    return make_controller(name, None if parts.family in _WITH_LIMITS else limits_of(optimizer, {}))
+    return make_controller(name, None if parts.family in _WITH_LIMITS else limits_of(optimizer, options))
 
 
 def limits_of(optimizer: str, options: Mapping[str, object]) -> SizeLimits:

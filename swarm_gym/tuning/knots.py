@@ -21,7 +21,7 @@ from swarm_gym.controllers.parameters import Number, Range, parse_parameters
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
+from swarm_gym.sources import GUIDED, SOURCE_DECISIONS, SOURCE_RANGES, Source
 from swarm_gym.tuning.config import TuneConfig
 
 Floats = NDArray[np.float64]
@@ -125,6 +125,13 @@ class KnotSpace:
                 FIRST_AMPLITUDE: Axis(*SOURCE_RANGES["amplitude"], first_source.amplitude),
             }
         self._held = _read_held(config.held, {**self._axes, **self._first_axes})
+        if config.source == GUIDED and self._first_axes:
+            share = self._held.setdefault(FIRST_SHARE, 1.0)  # members lie around planned ways
+            if share != 1.0:
+                raise SettingError(
+                    f"held {FIRST_SHARE}={share:g}: first members with source {GUIDED!r} lie around planned "
+                    "ways; expected 1, or another source"
+                )
 
     @property
     def start(self) -> Floats:

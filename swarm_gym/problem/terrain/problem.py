@@ -92,8 +92,11 @@ class TerrainProblem(Problem):
         """Return flights, (..., n + 2, 4), of decision vectors (..., D): their waypoints from start to goal.
 
         Each has x, y, height (from the zero of the map) and altitude above ground, in metres.
+
+        Raises:
+            ValueError: if vectors have another length, or components that are not finite.
         """
-        given = np.asarray(vectors, dtype=np.float64)
+        given = self._checked(vectors)
         paths = np.zeros((math.prod(given.shape[:-1]), columns(self.dimension) + 1))
         paths[:, 1 : self.dimension + 1] = given.reshape(-1, self.dimension)
         found = flights(self.table, paths)
@@ -108,15 +111,20 @@ class TerrainProblem(Problem):
         Raises:
             ValueError: if vectors have another length, or components that are not finite.
         """
+        given = self._checked(vectors)
+        found = np.empty(given.shape[:-1])
+        path = np.zeros(columns(self.dimension) + 1)
+        costs_entry(self.table, given.reshape(-1, self.dimension), path, found.reshape(-1))
+        return found
+
+    def _checked(self, vectors: ArrayLike) -> Floats:
+        """Return vectors, (..., D), as contiguous floats."""
         given = np.ascontiguousarray(vectors, dtype=np.float64)
         if given.shape[-1:] != (self.dimension,):
             raise ValueError(f"expected vectors of {self.dimension} components, got shape {given.shape}")
         if not np.isfinite(given).all():
             raise ValueError("decision vectors must be finite, got NaN or infinity in some component")
-        found = np.empty(given.shape[:-1])
-        path = np.zeros(columns(self.dimension) + 1)
-        costs_entry(self.table, given.reshape(-1, self.dimension), path, found.reshape(-1))
-        return found
+        return given
 
     def terms(self, vector: ArrayLike) -> dict[str, float]:
         """Return the terms of the cost of a decision vector by name, weighted: the fitness is their sum."""

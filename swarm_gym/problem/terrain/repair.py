@@ -5,7 +5,8 @@ collision moves in parallel by phi times its degree of collision. Segments follo
 after the changes of those before it:
 
 * A segment in contact with a threat moves to the nearer side. It moves by phi times the distance that takes
-  its line out of the cylinder. Offsets move across the start-goal line, spherical steps across the segment.
+  its line out of the cylinder. Ends of a segment move across the start-goal line in the encoding
+  `waypoints`, and across the segment in the others.
 * Both ends of a segment below the ground rise by phi times its depth, at most to the top of the band.
 
 Start and goal stay, and so does a flight that is free.

@@ -4,6 +4,7 @@ Source: "Esri ASCII raster format" in the documentation of ArcGIS. Heights are a
 file `.prj` of the same name has the coordinate reference system.
 """
 
+import codecs
 import re
 import warnings
 from pathlib import Path
@@ -65,10 +66,11 @@ def read(path: Path) -> Elevation:
 
 def _split(path: Path, content: bytes) -> tuple[dict[str, float], bytes]:
     """Return the entries of the head, with names in small letters, and the bytes behind it."""
+    content = content.removeprefix(codecs.BOM_UTF8)
     head: dict[str, float] = {}
     place = 0
     for match in re.finditer(
-        rb"[ \t\r\n]*([A-Za-z_]{2,20})[ \t]+(\S{1,40})[ \t]*(?:\r?\n|$)", content[:2000]
+        rb"[ \t\r\n]*([A-Za-z_]{2,20})[ \t]+(\S{1,40})[ \t]*(?:\r\n?|\n|$)", content[:2000]
     ):
         name = match[1].decode().lower()
         if match.start() != place or name not in KEYS:

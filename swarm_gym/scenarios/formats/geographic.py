@@ -87,7 +87,7 @@ def kind_of_system(where: str, system: str) -> str:
         system: text that pyproj reads.
 
     Raises:
-        ScenarioError: if the text is no such system, or its unit is another one.
+        ScenarioError: if the text is no such system, or a unit is another one.
         MissingExtraError: if pyproj is missing.
     """
     try:
@@ -98,6 +98,12 @@ def kind_of_system(where: str, system: str) -> str:
         found = pyproj.CRS.from_user_input(system)
     except pyproj.exceptions.CRSError as error:
         raise ScenarioError(f"{where}: unknown coordinate reference system {shown(system)}") from error
+    for axis in found.axis_info[2:]:
+        if axis.unit_conversion_factor != 1.0:
+            raise ScenarioError(
+                f"{where}: expected heights in metres, the reference system {shown(found.name)} has "
+                f"{axis.unit_name}; convert the heights first"
+            )
     if found.is_geographic:
         return GEOGRAPHIC
     units = {axis.unit_name for axis in found.axis_info[:2]}

@@ -15,7 +15,7 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios.formats.data_files import data_folder
 from swarm_gym.scenarios.terrain.safe_pickle import load_arrays
-from swarm_gym.scenarios.terrain.uav56 import COUNT, FILE
+from swarm_gym.scenarios.terrain.uav56 import COUNT, FILE, fault_of
 
 # Names in the published file, by names in the one that is written.
 PARTS = {"heights": "H", "threats": "threats", "start": "start", "goal": "end"}
@@ -50,7 +50,7 @@ def converted(path: Path) -> dict[str, NDArray[np.float64]]:
     """Return the arrays of all terrains of a pickle by names such as `heights_0`.
 
     Raises:
-        ScenarioError: if the pickle is refused, or has other terrains.
+        ScenarioError: if the pickle is refused, or has other terrains or arrays of other shapes.
     """
     found = load_arrays(path)
     if not isinstance(found, dict | list) or len(found) != COUNT:
@@ -70,6 +70,8 @@ def converted(path: Path) -> dict[str, NDArray[np.float64]]:
             except (TypeError, ValueError) as error:
                 raise ScenarioError(f"{path}: terrain {number}: {name} must be numbers") from error
             arrays[f"{part}_{number}"] = values.ravel() if part in ("start", "goal") else values
+        if (fault := fault_of({part: arrays[f"{part}_{number}"] for part in PARTS})) is not None:
+            raise ScenarioError(f"{path}: terrain {number}: {fault}")
     return arrays
 
 

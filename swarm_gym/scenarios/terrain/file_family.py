@@ -73,7 +73,20 @@ def surveyed(name: str, limits: Limits | None = None) -> Survey:
     )
 
 
-FAMILY = Family(USAGE, (), expand, make, spaceless)
+def _tidy(name: str) -> str:
+    """Return a name without needless spaces; those inside the paths of its files stay."""
+    path, mark, options = name.strip(" ").partition("?")
+    family, _, path = path.partition(":")
+    parts = [
+        f"threats={part.partition('=')[2].strip(' ')}"
+        if part.strip(" ").startswith("threats")
+        else spaceless(part)
+        for part in options.split("&")
+    ]
+    return f"{family.strip(' ')}:{path.strip(' ')}{mark}{'&'.join(parts)}"
+
+
+FAMILY = Family(USAGE, (), expand, make, _tidy)
 
 _Point = tuple[float, float, float]
 

@@ -186,6 +186,8 @@ class TerrainScenario:
     def _array(self, name: str, values: object, expected: str) -> Floats:
         """Return values as a read-only copy of floats with two axes."""
         try:
+            if isinstance(values, np.ma.MaskedArray):  # as rasterio reads cells without data
+                values = np.ma.filled(values.astype(np.float64), np.nan)
             array = np.array(values, dtype=np.float64, order="C")
         except (TypeError, ValueError) as error:
             raise ScenarioError(f"{self._where}: {name} must be {expected}, got {shown(values)}") from error

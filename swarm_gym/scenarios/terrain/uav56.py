@@ -5,6 +5,9 @@ Neither is part of this package. `python -m swarm_gym.scenarios.terrain.convert_
 `uav56.npz` into the data folder, from which these scenarios are read.
 """
 
+import zipfile
+import zlib
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -14,7 +17,7 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, numbers_below
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.terrain.generated import as_scenario
-from swarm_gym.scenarios.terrain.generator import Terrain
+from swarm_gym.scenarios.terrain.generator import Floats, Terrain
 from swarm_gym.scenarios.terrain.scenario import TerrainScenario
 
 NAME = "uav56"
@@ -53,6 +56,19 @@ def make(name: str) -> TerrainScenario:
 FAMILY = Family(USAGE, (), expand, make)
 
 
+def fault_of(parts: Mapping[str, Floats]) -> str | None:
+    """Return what is wrong with the shapes of the arrays of a terrain by name, or None."""
+    expected = {"heights": (None, None), "threats": (None, 4), "start": (3,), "goal": (3,)}
+    for name, shape in expected.items():
+        found = parts[name].shape
+        if len(found) != len(shape) or any(
+            size not in (None, has) for size, has in zip(shape, found, strict=True)
+        ):
+            words = " x ".join("any" if size is None else str(size) for size in shape)
+            return f"{name} must be {words} numbers, got an array of shape {found}"
+    return None
+
+
 @lru_cache(maxsize=8)
 def _terrain(path: Path, number: int, _stamp: tuple[int, int]) -> Terrain:
     try:
@@ -61,13 +77,12 @@ def _terrain(path: Path, number: int, _stamp: tuple[int, int]) -> Terrain:
                 np.asarray(found[f"{part}_{number}"], dtype=np.float64)
                 for part in ("heights", "threats", "start", "goal")
             )
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
         raise ScenarioError(
             f"{path}: cannot be read: {error}; make it again with `{COMMAND} Model56.pkl`"
         ) from error
-    if heights.ndim != 2 or threats.ndim != 2 or start.shape != (3,) or goal.shape != (3,):
-        raise ScenarioError(
-            f"{path}: terrain {number} has other arrays; make it again with `{COMMAND} Model56.pkl`"
-        )
+    parts = {"heights": heights, "threats": threats, "start": start, "goal": goal}
+    if (fault := fault_of(parts)) is not None:
+        raise ScenarioError(f"{path}: terrain {number}: {fault}; make it again with `{COMMAND} Model56.pkl`")
     (x, y, z), (goal_x, goal_y, goal_z) = start.tolist(), goal.tolist()
     return Terrain(heights, threats, (x, y, z), (goal_x, goal_y, goal_z))

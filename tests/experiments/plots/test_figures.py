@@ -13,6 +13,7 @@ from experiments.documents.figures import plan, write_figures
 from experiments.plots.courses import (
     CASE_DRAWINGS,
     best_by_evaluations,
+    draw_best_path_maps,
     draw_best_paths,
     draw_box_plots,
     draw_collision,
@@ -342,6 +343,7 @@ def test_other_scenarios_get_figures_without_number_and_without_an_optimum(datab
     (case,) = load_cases(suite, database)
     assert labels(draw_convergence(case).axes[0]) == ["SPSFA-TIP"]
     assert len(labels(draw_best_paths(case).axes[0])) == 1
+    assert draw_best_path_maps([case]).axes[0].get_title() == "besieged"
 
 
 def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():

@@ -159,6 +159,15 @@ def test_the_command_compares_with_options_of_environments(tmp_path):
     assert (again.evaluations <= 40).all()
 
 
+def test_parameters_of_optimizers_and_sizes_reach_environments_and_controllers():
+    found = compare(["fixed:8"], ["case1"], range(2), noise=3.0, **SHORT)
+    assert found.evaluations.sum() != compare(["fixed:8"], ["case1"], range(2), **SHORT).evaluations.sum()
+    sizes = {"min_population_size": 40, "initial_population_size": 60, "iterations": 20}
+    assert np.isfinite(compare(["linear-reduction", "random"], ["case1"], range(2), **sizes).fitness).all()
+    distinct = {"optimizer": "one-plus-lambda-lambda", "counting": "copies-free"}
+    assert (compare(["theory"], ["onemax:20"], range(2), **distinct).fitness == 0.0).all()
+
+
 @pytest.mark.parametrize("options", [["--seeds", "1"], ["--price", "-1"], ["--first-seed", "100000"]])
 def test_the_command_ends_with_a_message_for_bad_input(options):
     with pytest.raises(SystemExit) as ended:

@@ -303,6 +303,16 @@ def test_flights_without_shifts_are_those_of_even_waypoints():
         assert shifted.evaluate(np.append(vector, np.zeros(9))) == even.evaluate(vector)
 
 
+@pytest.mark.parametrize("method", ["points", "flights", "costs"])
+def test_vectors_of_other_lengths_or_without_numbers_are_refused(method):
+    problem = TerrainProblem(rolling_terrain(1), num_waypoints=6)
+    for vectors in (np.zeros((2, 6)), np.zeros((12, 1)), np.zeros(24)):
+        with pytest.raises(ValueError, match="expected vectors of 12 components"):
+            getattr(problem, method)(vectors)
+    with pytest.raises(ValueError, match="must be finite"):
+        getattr(problem, method)(np.full(12, np.nan))
+
+
 def test_problems_are_refused_with_what_is_valid():
     scenario = rolling_terrain()
     refused(lambda: TerrainProblem(scenario, "bezier"), "bezier", "spherical", error=UnknownNameError)

@@ -45,6 +45,27 @@ def test_small_cells_in_range_are_degrees_and_a_prj_file_says_more(tmp_path, end
     assert read_elevation(path).kind == PLANE
 
 
+@pytest.mark.parametrize("system", ["EPSG:32632+6360", "EPSG:4326+6360"])
+def test_heights_in_feet_are_refused(tmp_path, system):
+    pytest.importorskip("pyproj", reason="needs the extra `terrain`")
+    import pyproj
+
+    path = write_asc(tmp_path / "a.asc", hill(), cell=0.001, corner=(7.0, 46.0))
+    (tmp_path / "a.prj").write_text(pyproj.CRS(system).to_wkt())
+    with pytest.raises(ScenarioError, match=r"heights in metres, .* has US survey foot"):
+        read_elevation(path)
+
+
+@pytest.mark.parametrize("ends", [b"\n", b"\r\n", b"\r"])
+def test_a_grid_may_begin_with_a_mark_and_end_its_lines_in_any_way(tmp_path, ends):
+    path = write_asc(tmp_path / "a.asc", hill())
+    expected = read_elevation(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", ends))
+    found = read_elevation(path)
+    assert np.array_equal(found.heights, expected.heights)
+    assert found.origin == expected.origin
+
+
 def test_a_tile_has_the_place_of_its_name(tmp_path):
     found = read_elevation(write_hgt(tmp_path, gap=(3, 4)))
     assert (found.origin, found.kind) == ((7.0, 46.0), GEOGRAPHIC)

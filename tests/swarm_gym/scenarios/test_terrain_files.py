@@ -90,6 +90,15 @@ def test_a_name_stands_for_all_of_a_task(tmp_path, monkeypatch):
     assert make_scenario(name).band == (100.0, 200.0)
 
 
+def test_spaces_in_the_names_of_files_stay(tmp_path, monkeypatch):
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
+    write_asc(tmp_path / "Map, 2020 # 1.asc", hill())
+    write_threats(tmp_path / "t, 2.geojson", (2000, 3500, {"radius": 100}))
+    options = "start=1500, 2500,150 & goal=4500,4500,120 & threats = t, 2.geojson"
+    scenario = make_scenario(f" terrain-file: Map, 2020 # 1.asc ? {options} ")
+    assert len(scenario.threats) == 1
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

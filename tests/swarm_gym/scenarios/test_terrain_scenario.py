@@ -66,6 +66,12 @@ def test_ends_may_be_above_a_threat_and_beside_it():
     assert made(threats=[]).threats.shape == (0, 4)
 
 
+def test_masked_heights_are_missing():
+    heights = np.ma.masked_equal(HEIGHTS.astype(np.int16), HEIGHTS.astype(np.int16)[1, 2])
+    with pytest.raises(ScenarioError, match="the first nan in row"):
+        made(heights=heights)
+
+
 def test_arrays_are_copies_that_cannot_be_written():
     heights = HEIGHTS.copy()
     scenario = made(heights=heights, threats=[[20.0, 5.0, 10.0, 2.0]])

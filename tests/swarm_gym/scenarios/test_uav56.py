@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -111,6 +112,54 @@ def test_a_missing_or_damaged_file_says_how_to_make_it(tmp_path, monkeypatch):
         make_scenario("uav56:0")
     with pytest.raises(ScenarioError, match="a number from 0 to 55"):
         make_scenario("uav56:56")
+
+
+@pytest.mark.parametrize("damage", ["half", "bytes", "array"])
+def test_a_file_that_is_damaged_later_says_how_to_make_it(tmp_path, monkeypatch, damage):
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
+    path, file = tmp_path / "Model56.pkl", tmp_path / "uav56.npz"
+    path.write_bytes(pickle.dumps({number: terrain(number) for number in range(56)}))
+    convert_uav56.main([str(path)])
+    content = bytearray(file.read_bytes())
+    if damage == "half":
+        del content[len(content) // 2 :]
+    elif damage == "bytes":
+        content[100:400] = bytes(300)
+    else:
+        alone = BytesIO()
+        np.save(alone, np.zeros(3))
+        content = bytearray(alone.getvalue())
+    file.write_bytes(content)
+    with pytest.raises(ScenarioError, match="make it again"):
+        make_scenario("uav56:0")
+
+
+@pytest.mark.parametrize(
+    ("part", "values", "message"),
+    [
+        ("threats", np.ones((3, 2)), r"terrain 0: threats must be any x 4 numbers, .* \(3, 2\)"),
+        ("H", np.ones(9), "heights must be any x any numbers"),
+        ("start", np.ones(2), "start must be 3 numbers"),
+    ],
+)
+def test_arrays_of_other_shapes_are_refused(tmp_path, monkeypatch, part, values, message):
+    path = tmp_path / "Model56.pkl"
+    path.write_bytes(pickle.dumps({number: {**terrain(number), part: values} for number in range(56)}))
+    with pytest.raises(ScenarioError, match=message):
+        convert_uav56.converted(path)
+    good = terrain(0)
+    names = {"heights": "H", "threats": "threats", "start": "start", "goal": "end"}
+    arrays = {f"{name}_0": np.asarray(good[own] if own != part else values) for name, own in names.items()}
+    np.savez(
+        tmp_path / "uav56.npz",
+        **{
+            name: found.ravel() if name.startswith(("start", "goal")) else found
+            for name, found in arrays.items()
+        },
+    )
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
+    with pytest.raises(ScenarioError, match=f"{message}.*make it again"):
+        make_scenario("uav56:0")
 
 
 def test_the_command_ends_with_a_line_for_a_bad_file(tmp_path):

@@ -106,6 +106,16 @@ def test_a_reference_with_other_members_is_refused():
         PairedReward(swarms, "fixed:8,smooth_share=0.5,amplitude=0.1")
 
 
+def test_tunings_around_planned_ways_hold_the_share_of_smooth_members():
+    options = {"what": "constant", "action": "sourced", "knots": (0,), "scenarios": ("little",), **TERRAIN}
+    space = KnotSpace(TuneConfig(**options))
+    knots = space.decode(np.full(len(space.start), 0.5))
+    assert knots.first_source == Source(1.0, knots.first_source.amplitude)
+    assert len(KnotSpace(TuneConfig(**{**options, "source": "uniform"})).start) == len(space.start) + 1
+    with pytest.raises(SettingError, match=r"held first smooth share=0.5: .*expected 1, or another source"):
+        KnotSpace(TuneConfig(held=("first_smooth_share=0.5",), **options))
+
+
 def test_the_amplitude_of_a_base_holds_around_planned_ways():
     options = {"scenario": "little", "cost": "metabox", "iterations": 5, "base": FIRST}
     settings = SwarmEnv("firefly", source="guided", **options).settings
