@@ -120,6 +120,8 @@ def import_sb3(options: ImportOptions) -> None:
         "price": None,
         "provenance": provenance("numpy", "torch"),
     }
+    if trained["first_source"] is not None:
+        manifest["first_source"] = trained["first_source"]
     # Written beside the output until it has been loaded, so that a wrong option overwrites nothing.
     draft = write_atomically(
         options.output.with_name(f"{options.output.name}.draft"), encode_policy(weights, manifest)
@@ -142,9 +144,17 @@ def _features(trained: Mapping[str, Any]) -> list[str]:
     """
     if trained["base"] == "none":
         return [feature.name for feature in make_observation(trained["observation"]).features]
-    options = {"action": trained["action"], "max_evaluations": trained["max_evaluations"] or None}
-    layout = make_action(Settings(**options), get_optimizer(trained["optimizer"]))
-    base = Base(make_controller(trained["base"]), layout, 0, options["max_evaluations"])
+    limits = SizeLimits(trained["min_population_size"], trained["max_population_size"])
+    budget = trained["max_evaluations"] or None
+    settings = Settings(
+        action=trained["action"],
+        max_evaluations=budget,
+        initial_population_size=trained["initial_population_size"],
+        min_population_size=limits.smallest,
+        max_population_size=limits.largest,
+    )
+    layout = make_action(settings, get_optimizer(trained["optimizer"]))
+    base = Base(make_controller(trained["base"], limits), layout, 0, budget)
     return base.features(trained["observation"])
 
 
@@ -154,7 +164,8 @@ def _trained_on(options: ImportOptions, data: Mapping[str, Any]) -> dict[str, An
     stored = space.get(SIGNATURE) if isinstance(space, dict) else None
     trained = {**USUAL, **(stored if isinstance(stored, dict) else {})}
     given = {name: getattr(options, name) for name in USUAL}
-    return {name: trained[name] if value is None else value for name, value in given.items()}
+    named = {name: trained[name] if value is None else value for name, value in given.items()}
+    return {**named, "first_source": trained.get("first_source")}
 
 
 def _require_layouts(path: Path, trained: Mapping[str, Any], inputs: int) -> None:

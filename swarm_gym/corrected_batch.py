@@ -76,6 +76,8 @@ class CorrectedBatch(SwarmBatch):
         self.base = _controller_of(base, optimizer, options)
         seen = make_observation(self.base.observation)
         chosen = _completed(self.base, optimizer, options)
+        # Options of the same swarms without the base, whose action layout is free again.
+        self.options = {name: value for name, value in chosen.items() if name != "action" or name in options}
         super().__init__(optimizer, chosen, num_swarms, num_threads, simulation_class, seen.arrival_window)
         self._seen = seen
         space = seen.space(self.simulation)

@@ -11,6 +11,7 @@ Swarms on a GPU (`device="cuda"`) are copied to the memory of the host at every 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from itertools import product
 from typing import Any
 
@@ -25,6 +26,7 @@ from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.learner_options import FOR_CORRECTIONS, learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
+from swarm_gym.sources import UNIFORM
 from swarm_gym.vector_env import SwarmVectorEnv
 
 try:
@@ -111,7 +113,8 @@ def _sign(space: Any, optimizer: str, settings: Settings, base: str | Controller
     names = {"optimizer": optimizer, "observation": settings.observation, "action": settings.action}
     corrected = "none" if base is None else base if isinstance(base, str) else shown(base)
     numbers = {name: getattr(settings, name) for name in sizes}
-    setattr(space, SIGNATURE, {**names, "base": corrected, **numbers})
+    source = None if settings.source == UNIFORM else asdict(settings.new_members)
+    setattr(space, SIGNATURE, {**names, "base": corrected, **numbers, "first_source": source})
 
 
 class NativeVecEnv(VecEnv):

@@ -104,6 +104,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             "precision": precision,
         }
         self._batch = make_batch(base, optimizer, options, num_envs, num_threads, simulation_class)
+        if isinstance(self._batch, CorrectedBatch):
+            self._made_from |= self._batch.options
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._seeds = EpisodeSeeds(num_envs)

@@ -222,8 +222,10 @@ def packaged_rules() -> list[str]:
     return DISTILLED.names()
 
 
-def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  # noqa: B008
+def load_rule(name: str, limits: SizeLimits | None = None) -> DistilledRule:
     """Return the rule of a packaged file by its name, or of the file at a path.
+
+    Its decisions depend on the population sizes that it was made with, which are used where none are given.
 
     Raises:
         DistilledFileError: if there is no such file, or its content is invalid.
@@ -237,7 +239,10 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
         text = DistilledRule(*arguments, content["max_evaluations"], own_limits).lines()
         if content["rule"] != text:
             raise ValueError(f"its text does not say what its numbers do, which is {text}")
-        return DistilledRule(*arguments, content["max_evaluations"], limits)
+        rule = DistilledRule(*arguments, content["max_evaluations"], limits or own_limits)
+        if limits is None:
+            rule.needed_limits = own_limits
+        return rule
     except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise DistilledFileError(f"{path}: not a readable distilled rule ({shown(error)})") from error
 

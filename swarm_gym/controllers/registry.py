@@ -214,4 +214,5 @@ _WITH_LIMITS: dict[str, Callable[[str], Controller]] = {
     "learned": load_learned,
     "together": _together,
     "tuned": _tuned,
+    "distilled": load_rule,
 }

@@ -181,6 +181,13 @@ def test_a_stored_rule_is_read_back(stored):
     assert load_rule(str(stored), SizeLimits(2, 30)).initial_population_size == 30
 
 
+def test_a_stored_rule_needs_the_sizes_that_it_was_made_with(tmp_path):
+    limits = SizeLimits(4, 60)
+    save_rule(tmp_path / "small.json", rule_of(limits=limits), limits, {"made": "here"})
+    options = make_controller(f"distilled:{tmp_path / 'small.json'}").env_options()
+    assert (options["min_population_size"], options["max_population_size"]) == (4, 60)
+
+
 @pytest.mark.parametrize(
     ("damage", "reason"),
     [

@@ -118,6 +118,33 @@ def test_a_model_that_corrects_a_controller_is_imported_with_it(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "options",
+    [
+        {
+            "base": "fixed:9,smooth_share=0.5,amplitude=0.1",
+            "max_evaluations": 40,
+            "initial_population_size": 9,
+        },
+        {"source": "smooth", "amplitude": 0.07, "initial_population_size": 9},
+        {"action": "sourced-centred", "initial_population_size": 9},
+    ],
+)
+def test_first_members_are_those_of_the_environment(tmp_path, options):
+    swarms = make_vec(num_envs=3, iterations=6, scenario="case3", **options)
+    model, path = saved(tmp_path, swarms)
+    main([str(path), str(tmp_path / "a.safetensors")])
+    swarms.seed(0)
+    seen = swarms.reset()
+    ended = {}
+    for _ in range(6):
+        seen, _, dones, infos = swarms.step(model.predict(seen, deterministic=True)[0])
+        for row in np.flatnonzero(dones):
+            ended.setdefault(row, infos[row]["best_fitness"])
+    runs = run_episodes(load_learned(tmp_path / "a.safetensors"), "case3", range(3), iterations=6)
+    np.testing.assert_allclose(runs.final_fitness, [ended[row] for row in range(3)], rtol=1e-5)
+
+
+@pytest.mark.parametrize(
     ("made_for", "message"),
     [
         (None, "does not say with which observation layout .*--observation; extended has 9 inputs"),

@@ -48,6 +48,20 @@ def test_the_reference_that_is_imitated_earns_nothing():
     assert np.allclose(earned, 0.0, atol=1e-12)
 
 
+def test_a_reference_begins_as_a_base_does():
+    base = "fixed:9,smooth_share=0.5,amplitude=0.1"
+    options = {"scenario": "case1", "iterations": 7, "reward": "final-gap", "price": 0.0}
+    made = SwarmVectorEnv(2, base=base, autoreset_mode=AutoresetMode.SAME_STEP, **options)
+    twin = made.twin()
+    assert (twin.settings.initial_population_size, twin.settings.new_members.smooth_share) == (9, 0.5)
+    assert twin.settings.action == "natural"
+    paired = PairedReward(made, "fixed:9")
+    paired.reset(seed=3)
+    zeros = np.zeros(paired.action_space.shape, dtype=np.float32)
+    earned = sum(paired.step(zeros)[1] for _ in range(7))
+    assert np.allclose(earned, 0.0, atol=1e-12)
+
+
 def test_stable_baselines3_takes_it():
     made = NativeVecEnv(PairedReward(swarms(), "fixed:9"))
     made.seed(6)
