@@ -128,6 +128,11 @@ def run_distillation(config: DistilConfig) -> tuple[DistilledRule, dict[str, Sco
     """
     policy = make_controller(config.policy)
     manifest = getattr(policy, "manifest", {})
+    if not manifest.get("config"):
+        raise ValueError(
+            f"policy {config.policy!r}: its training is unknown, whose scenarios and options episodes need; "
+            "expected learned:<policy> of a policy that agents.train has made"
+        )
     training = stored_config(manifest)
     found = distil(policy, training, config)
     seeds = ANALYSIS[: config.report_seeds]
@@ -159,12 +164,18 @@ def distil(policy: Controller, training: TrainConfig, config: DistilConfig) -> D
     All rules are compared on a quarter of the validation seeds, and the best few of them on all seeds.
 
     Raises:
-        ValueError: for too many numbers or too few rounds.
+        ValueError: for too many numbers or too few rounds, or for a decision that no rule can have.
     """
     if config.numbers > MOST_NUMBERS:
         raise ValueError(f"--numbers must be at most {MOST_NUMBERS}, got {config.numbers}")
     if config.rounds < 1:
         raise ValueError(f"--rounds must be at least 1, got {config.rounds}")
+    possible = decision_bounds(training.limits, training.optimizer)
+    if others := [name for name in decision_names(policy, training.optimizer) if name not in possible]:
+        raise ValueError(
+            f"policy {config.policy!r} decides {', '.join(others)}, which a rule cannot; expected a policy "
+            f"of {', '.join(possible)}"
+        )
     few = VALIDATION[: max(1, config.validation_seeds // SCREENING)]
     controller = policy
     collected: list[Collected] = []

@@ -32,7 +32,7 @@ from swarm_gym.sources import GUIDED, SMOOTH
 
 # Options of a base that are not those of the environment: the policy has layouts of its own.
 _OF_THE_BASE_ALONE = ("observation", "action", "made_for")
-_SOURCE_OPTIONS = ("source", "smooth_share", "amplitude")
+SOURCE_OPTIONS = ("source", "smooth_share", "amplitude")
 _LIMITS = ("min_population_size", "max_population_size")
 
 
@@ -75,7 +75,9 @@ class CorrectedBatch(SwarmBatch):
             )
         self.base = _controller_of(base, optimizer, options)
         seen = make_observation(self.base.observation)
-        chosen = _completed(self.base, optimizer, options)
+        chosen = completed(self.base, options)
+        if "action" not in options:
+            chosen["action"] = _default_layout(self.base, optimizer, chosen)
         # Options of the same swarms without the base, whose action layout is free again.
         self.options = {name: value for name, value in chosen.items() if name != "action" or name in options}
         super().__init__(optimizer, chosen, num_swarms, num_threads, simulation_class, seen.arrival_window)
@@ -270,19 +272,16 @@ def _controller_of(base: object, optimizer: str, options: Mapping[str, object]) 
     return make_controller_for(optimizer, base)
 
 
-def _completed(base: Controller, optimizer: str, options: Mapping[str, object]) -> dict[str, object]:
-    """Return the options of an environment with those that the base needs, where they are not given."""
+def completed(base: Controller, options: Mapping[str, object]) -> dict[str, object]:
+    """Return the options of an environment with those that a base needs, where they are not given."""
     needed: dict[str, object] = {**base.env_options()}
     for name in _OF_THE_BASE_ALONE:
         needed.pop(name, None)
     if options.get("source") == GUIDED and needed.get("source") == SMOOTH:
         needed["source"] = GUIDED  # the base's amplitude holds around planned ways, too
-    elif set(_SOURCE_OPTIONS) & set(options):
-        needed = {name: value for name, value in needed.items() if name not in _SOURCE_OPTIONS}
-    completed = {**needed, **options}
-    if "action" not in options:
-        completed["action"] = _default_layout(base, optimizer, completed)
-    return completed
+    elif set(SOURCE_OPTIONS) & set(options):
+        needed = {name: value for name, value in needed.items() if name not in SOURCE_OPTIONS}
+    return {**needed, **options}
 
 
 def _default_layout(base: Controller, optimizer: str, options: Mapping[str, object]) -> str:

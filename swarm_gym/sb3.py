@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
 from swarm_gym.checks import require_integer
-from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers import Controller, make_controller_for
+from swarm_gym.corrected_batch import SOURCE_OPTIONS, completed
 from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.learner_options import FOR_CORRECTIONS, learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
@@ -72,10 +73,12 @@ def make_vec(
         SettingError: for a value that an option cannot have.
     """
     of_swarms = {name: value for name, value in options.items() if name not in OF_VECTORS}
+    if base is not None:
+        controller = make_controller_for(optimizer, base, options) if isinstance(base, str) else base
+        of_swarms = {**_needed_by(controller, of_swarms), **of_swarms}
     chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
     if base is not None and "action" not in options:
-        decided = (make_controller(base) if isinstance(base, str) else base).action
-        chosen["action"] = FOR_CORRECTIONS.get(decided, chosen["action"])
+        chosen["action"] = FOR_CORRECTIONS.get(controller.action, chosen["action"])
     warn_of_unscaled(chosen)
     mode = AutoresetMode.SAME_STEP
     env = SwarmVectorEnv(
@@ -85,6 +88,14 @@ def make_vec(
     made.seed(seed)
     _sign(made.action_space, optimizer, env.settings, base)
     return made if choices is None else ChoiceVecEnv(made, _combinations(choices, made.action_space))
+
+
+def _needed_by(base: Controller, given: Mapping[str, object]) -> dict[str, object]:
+    """Return options with those that a base needs, so that no default for learners replaces these."""
+    needed = completed(base, given)
+    if not set(SOURCE_OPTIONS) & set(needed):
+        needed["source"] = UNIFORM
+    return needed
 
 
 def _combinations(numbers: Sequence[int], space: Any) -> NDArray[np.float32]:

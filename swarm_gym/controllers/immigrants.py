@@ -50,6 +50,7 @@ class ImmigrantRule(Rule):
     amplitude: float = 0.5
     immigrants: float = 0.5
     action: str = "sourced"
+    made_for = "firefly"  # no field: other optimizers have other parameters
     sizes: ClassVar[tuple[str, ...]] = ("start", "size")
     ranges: ClassVar[Mapping[str, Range]] = {
         "noise": Range(0.02, 100.0),

@@ -103,6 +103,12 @@ class TuneConfig:
         """Population sizes that the controller can choose."""
         return SizeLimits(self.min_population_size, self.max_population_size)
 
+    @property
+    def first_limits(self) -> SizeLimits:
+        """Sizes of a first population: those that the evaluation budget holds, too."""
+        smallest, largest = self.min_population_size, self.max_population_size
+        return SizeLimits(smallest, max(smallest, min(largest, self.max_evaluations or largest)))
+
 
 class Tuner(ABC):
     """A method that improves a controller, round by round.

@@ -120,7 +120,7 @@ class KnotSpace:
             if (loop := self._start_loop) is not None and loop.first_source is not None:
                 first_size, first_source = loop.initial_population_size, loop.first_source
             self._first_axes = {
-                FIRST_SIZE: Axis(float(smallest), float(largest), first_size),
+                FIRST_SIZE: Axis(float(smallest), float(config.first_limits.largest), first_size),
                 FIRST_SHARE: Axis(*SOURCE_RANGES["smooth_share"], first_source.smooth_share, "linear"),
                 FIRST_AMPLITUDE: Axis(*SOURCE_RANGES["amplitude"], first_source.amplitude),
             }

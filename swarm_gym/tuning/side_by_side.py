@@ -112,7 +112,7 @@ class SideBySide:
             price=config.price,
             min_population_size=config.min_population_size,
             max_population_size=config.max_population_size,
-            initial_population_size=config.limits.clip(config.initial_population_size),
+            initial_population_size=config.first_limits.clip(config.initial_population_size),
             iterations=config.iterations,
             max_evaluations=config.max_evaluations or None,
             **changed_options(config),

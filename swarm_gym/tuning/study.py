@@ -29,6 +29,7 @@ from swarm_gym.tuning.config import TuneConfig, Tuner
 from swarm_gym.tuning.parameter_spaces import ParameterSpace, Span
 from swarm_gym.tuning.side_by_side import SideBySide
 
+FIRST_SIZES = ("start", "initial_population_size")  # parameters that are the size of a first population
 DIGITS = 4  # significant digits of a parameter; 48 noisy episodes do not justify more
 
 
@@ -40,7 +41,10 @@ class ParameterTuner(Tuner):
     def __init__(self, config: TuneConfig, space: ParameterSpace):
         self._config = config
         self._space = space
-        self._spans = {name: span.within(config.limits) for name, span in space.spans.items()}
+        self._spans = {
+            name: span.within(config.first_limits if name in FIRST_SIZES else config.limits)
+            for name, span in space.spans.items()
+        }
         first = self._controller(self._first())
         self._places = SideBySide(config, 1, first.observation, first.action)
         self.steps_per_round = self._places.steps

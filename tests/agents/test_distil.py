@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.distil import DistilConfig, assess, distil
+from agents.distil import DistilConfig, assess, distil, run_distillation
 from agents.rule_fit import Fit, fit_within, select_forward, share_out
 from helpers.slow import slow_but
 from helpers.trainings import make_correction
@@ -252,6 +252,19 @@ def test_numbers_are_shared_out_where_they_help_and_pairs_are_seen():
     assert [[len(fit.inputs) for fit in fits] for fits in shared] == [[0, 0], [0, 1], [1, 1]]
     with pytest.raises(ValueError, match="at least"):
         share_out([path(1.0), path(1.0)], 1)
+
+
+@pytest.mark.parametrize(
+    ("policy", "message"),
+    [
+        ("open-loop:three-cases", "its training is unknown.*expected learned:<policy>"),
+        ("learned:terrain-sourced/0", "decides smooth share, .*expected a policy of population size"),
+    ],
+)
+def test_policies_that_no_rule_can_follow_are_refused(tmp_path, policy, message):
+    with pytest.raises(ValueError, match=message):
+        run_distillation(DistilConfig(policy, tmp_path / "rule.json"))
+    assert not any(tmp_path.iterdir())
 
 
 def test_the_configuration_of_a_policy_is_read_from_its_manifest():

@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import SubprocVecEnv, VecMonitor, VecNorma
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
-from swarm_gym.rollout import run_swarms, swarms_for
+from swarm_gym.rollout import run_episodes, run_swarms, swarms_for
 from swarm_gym.sb3 import NativeVecEnv, make_vec
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -243,6 +243,29 @@ def test_learners_of_sources_begin_with_smooth_members_unless_a_source_is_named(
     assert (settings.source, settings.amplitude) == ("smooth", 0.2)
     settings = make_vec("firefly", 1, action="sourced-centred", source="uniform", iterations=5).env.settings
     assert (settings.source, settings.amplitude) == ("uniform", None)
+
+
+@pytest.mark.parametrize(
+    ("base", "options"),
+    [
+        ("fixed:9,smooth_share=1,amplitude=0.05", {"action": "sourced-centred"}),
+        ("fixed:9", {"action": "sourced-centred"}),
+        ("fixed:9", {"max_evaluations": 40}),
+        ("learned:three-cases/0", {}),
+    ],
+)
+def test_defaults_for_learners_stand_behind_what_a_base_needs(base, options):
+    episodes = {"iterations": 6, "scenario": "case1", **options}
+    envs = make_vec(num_envs=3, base=base, seed=4, **episodes)
+    envs.reset()
+    ended = {}
+    for _ in range(6):
+        _, _, dones, infos = envs.step(np.zeros((3, *envs.action_space.shape), dtype=np.float32))
+        for row in np.flatnonzero(dones):
+            ended.setdefault(row, infos[row]["best_fitness"])
+    budget = {name: value for name, value in options.items() if name == "max_evaluations"}
+    runs = run_episodes(make_controller(base), "case1", range(4, 7), iterations=6, **budget)
+    np.testing.assert_array_equal(runs.final_fitness, [ended[row] for row in range(3)])
 
 
 def test_a_policy_whose_output_is_zero_is_its_base():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from swarm_gym.comparing import compare
 from swarm_gym.controllers import SizeLimits, make_controller
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import make_observation
@@ -125,3 +126,11 @@ def test_a_reaction_answers_an_event_on_the_map_and_nothing_else():
 def test_parameters_of_the_other_rules_are_refused_likewise(name, parameter):
     with pytest.raises(SettingError, match=f"{parameter}.*valid: start integer in"):
         make_controller(name)
+
+
+@pytest.mark.parametrize("name", ["restart", "periodic", "reaction"])
+def test_rules_of_fireflies_are_refused_by_other_optimizers(name):
+    for optimizer in ("cma-es", "differential-evolution"):
+        with pytest.raises(SettingError, match=r"made for firefly, whose decisions are .*"):
+            compare([name], ["case1"], range(2), optimizer, iterations=4)
+    assert (compare([name], ["case1"], range(2), iterations=4).fitness > 0.0).all()

@@ -205,6 +205,19 @@ def test_the_budget_is_kept(tmp_path):
         tune(tmp_path, name="short", total_steps=1599)
 
 
+@pytest.mark.parametrize("what", ["schedule", "open-loop"])
+def test_first_populations_fit_a_budget(tmp_path, what):
+    own = {"action": "sourced", "initial_population_size": 30} if what == "open-loop" else {}
+    run = tune(tmp_path, what, max_evaluations=30, max_population_size=200, **own)
+    run.run()
+    tuner = run.tuner
+    if what == "schedule":
+        assert tuner._spans["initial_population_size"].high == 30
+    else:
+        space = KnotSpace(tuner._config)
+        assert space.decode(np.ones(len(space.start))).initial_population_size == 30
+
+
 def test_extended_decisions_are_tuned_by_their_names(tmp_path):
     path = tune(tmp_path, rounds=1, action="extended").run()
     assert list(stored(path)["knobs"]) == ["noise", "attractiveness"]
