@@ -294,7 +294,7 @@ def _fit_rules(
             formulas.append(Formula(name, low + constant, dict(zip(used, weights, strict=True))))
         rule = DistilledRule(
             policy.initial_population_size, formulas, training.optimizer, policy.max_evaluations,
-            training.limits,
+            training.limits, policy.first_source,
         )  # fmt: skip
         yield rule, {name: fit.error for name, fit in zip(names, fits, strict=True)}
 

@@ -9,9 +9,9 @@ numbers. `agents.distil` makes rules.
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TypedDict, cast
+from typing import NotRequired, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
+from swarm_gym.sources import Source
 
 FORMAT = "swarm_gym distilled rule 1"
 DISTILLED = Packaged(DATA / "distilled", ".json")
@@ -126,6 +127,7 @@ class DistilledRule(Controller):
         optimizer: optimizer whose parameters are the further decisions.
         max_evaluations: evaluation budget of an episode, if the distilled policy needs one.
         limits: population sizes that the environment allows.
+        first_source: source of the first population; None is the environment's own.
 
     Raises:
         ValueError: for more than `MOST_NUMBERS` numbers, or decisions that no layout has.
@@ -140,11 +142,14 @@ class DistilledRule(Controller):
         optimizer: str = "firefly",
         max_evaluations: int | None = None,
         limits: SizeLimits = SizeLimits(),  # noqa: B008
+        first_source: Source | None = None,
     ):
         self.formulas = tuple(formula.rounded() for formula in formulas)  # decides as its text says
         self.optimizer = optimizer
         self.action = "natural" if len(self.formulas) == 2 else "extended"
+        self.made_for = optimizer if self.action == "extended" else None
         self.max_evaluations = max_evaluations
+        self.first_source = first_source
         self.initial_population_size = limits.clip(initial_population_size)
         if self.num_numbers > MOST_NUMBERS:
             raise ValueError(f"a rule has at most {MOST_NUMBERS} numbers, this one has {self.num_numbers}")
@@ -161,8 +166,14 @@ class DistilledRule(Controller):
 
     def lines(self) -> list[str]:
         """Return the rule as text."""
+        source = self.first_source
         return [
             f"first population size = {self.initial_population_size}",
+            *(
+                []
+                if source is None
+                else [f"first members: smooth share {source.smooth_share:g}, amplitude {source.amplitude:g}"]
+            ),
             *(
                 f"{formula}, within [{low:g}, {high:g}]"
                 for formula, (low, high) in zip(self.formulas, self._bounds, strict=True)
@@ -215,6 +226,7 @@ class _Content(TypedDict):
     formulas: list[_Formula]
     optimizer: str
     max_evaluations: int | None
+    first_source: NotRequired[dict[str, float]]
 
 
 def packaged_rules() -> list[str]:
@@ -235,11 +247,12 @@ def load_rule(name: str, limits: SizeLimits | None = None) -> DistilledRule:
         content = cast(_Content, read_json(path, FORMAT))  # wrong types raise one of the errors below
         formulas = [Formula(f["decision"], f["constant"], f["weights"]) for f in content["formulas"]]
         arguments = content["initial_population_size"], formulas, content["optimizer"]
+        source = Source.of(content["first_source"]) if "first_source" in content else None
         own_limits = SizeLimits(*content["population_sizes"])
-        text = DistilledRule(*arguments, content["max_evaluations"], own_limits).lines()
+        text = DistilledRule(*arguments, content["max_evaluations"], own_limits, source).lines()
         if content["rule"] != text:
             raise ValueError(f"its text does not say what its numbers do, which is {text}")
-        rule = DistilledRule(*arguments, content["max_evaluations"], limits or own_limits)
+        rule = DistilledRule(*arguments, content["max_evaluations"], limits or own_limits, source)
         if limits is None:
             rule.needed_limits = own_limits
         return rule
@@ -261,6 +274,7 @@ def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Map
         ],
         "optimizer": rule.optimizer,
         "max_evaluations": rule.max_evaluations,
+        **({} if rule.first_source is None else {"first_source": asdict(rule.first_source)}),
         "manifest": dict(manifest),
     }
     write_atomically(path, json.dumps(content, indent=2) + "\n")

@@ -26,6 +26,7 @@ from swarm_gym.controllers.distilled import (
 )
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.runs.seeds import ANALYSIS, VALIDATION
+from swarm_gym.sources import Source
 from swarm_gym.training.config import TrainConfig, stored_config
 
 TRAINING = TrainConfig(scenarios=("case3",), initial_population_size=40)
@@ -186,6 +187,20 @@ def test_a_stored_rule_needs_the_sizes_that_it_was_made_with(tmp_path):
     save_rule(tmp_path / "small.json", rule_of(limits=limits), limits, {"made": "here"})
     options = make_controller(f"distilled:{tmp_path / 'small.json'}").env_options()
     assert (options["min_population_size"], options["max_population_size"]) == (4, 60)
+
+
+def test_a_stored_rule_begins_with_the_members_of_its_policy(tmp_path):
+    rule = rule_of(first_source=Source(1.0, 0.1))
+    path = tmp_path / "smooth.json"
+    save_rule(path, rule, SizeLimits(), {"made": "here"})
+    found = load_rule(str(path))
+    assert found.first_source == Source(1.0, 0.1)
+    assert found.identity() == rule.identity() != rule_of().identity()
+    assert found.env_options()["source"] == "smooth"
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "first_source": {"amplitude": 0.1}}))
+    with pytest.raises(DistilledFileError, match="first_source must have smooth_share and amplitude"):
+        load_rule(str(path))
 
 
 @pytest.mark.parametrize(
