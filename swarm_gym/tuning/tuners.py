@@ -52,8 +52,8 @@ class ControllerKind:
     defaults: dict[str, object] = field(default_factory=dict)
 
 
-def _parameters(space: ParameterSpace) -> ControllerKind:
-    return ControllerKind(partial(ParameterTuner, space=space), (), {"episodes": 48})
+def _parameters(space: ParameterSpace, **defaults: object) -> ControllerKind:
+    return ControllerKind(partial(ParameterTuner, space=space), (), {"episodes": 48, **defaults})
 
 
 TUNERS: dict[str, ControllerKind] = {
@@ -64,7 +64,7 @@ TUNERS: dict[str, ControllerKind] = {
     "linear-reduction": _parameters(LINEAR_REDUCTION),
     "nlpsr": _parameters(NON_LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
-    "early-restarts": _parameters(EARLY_RESTARTS),
+    "early-restarts": _parameters(EARLY_RESTARTS, optimizer="cma-es"),
     "restart": _parameters(RESTART),
     "periodic": _parameters(PERIODIC),
     "reaction": _parameters(REACTION),
