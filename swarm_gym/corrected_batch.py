@@ -22,7 +22,7 @@ from swarm_gym.action import ACTIONS, Action, make_action
 from swarm_gym.batch import Flags, Floats, SwarmBatch
 from swarm_gym.controllers import Controller, make_controller, make_controller_for
 from swarm_gym.controllers.controller import require_trial
-from swarm_gym.controllers.registry import limits_of
+from swarm_gym.controllers.registry import LIMITS, limits_of
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -33,7 +33,6 @@ from swarm_gym.sources import GUIDED, SMOOTH
 # Options of a base that are not those of the environment: the policy has layouts of its own.
 _OF_THE_BASE_ALONE = ("observation", "action", "made_for")
 SOURCE_OPTIONS = ("source", "smooth_share", "amplitude")
-_LIMITS = ("min_population_size", "max_population_size")
 
 
 class CorrectedBatch(SwarmBatch):
@@ -211,7 +210,7 @@ class CorrectedBatch(SwarmBatch):
         settings, limits = self.settings, self.base.needed_limits
         needed: dict[str, Any] = {"max_evaluations": self.base.max_evaluations, "price": self.base.price}
         if limits is not None:
-            needed |= dict(zip(_LIMITS, (limits.smallest, limits.largest), strict=True))
+            needed |= dict(zip(LIMITS, (limits.smallest, limits.largest), strict=True))
         for name, value in needed.items():
             if value is not None and value != getattr(settings, name):
                 raise SettingError(
@@ -267,7 +266,7 @@ def _controller_of(base: object, optimizer: str, options: Mapping[str, object]) 
             f"base must be a controller, or the name of one such as 'spsfa-tip' or "
             f"'open-loop:three-cases', got {shown(base)}"
         )
-    if set(_LIMITS) & set(options):
+    if set(LIMITS) & set(options):
         return make_controller(base, limits_of(optimizer, options))
     return make_controller_for(optimizer, base)
 
@@ -277,9 +276,9 @@ def completed(base: Controller, options: Mapping[str, object]) -> dict[str, obje
     needed: dict[str, object] = {**base.env_options()}
     for name in _OF_THE_BASE_ALONE:
         needed.pop(name, None)
-    if options.get("source") == GUIDED and needed.get("source") == SMOOTH:
-        needed["source"] = GUIDED  # the base's amplitude holds around planned ways, too
-    elif set(SOURCE_OPTIONS) & set(options):
+    # The amplitude of smooth members holds around planned ways, too.
+    keeps_amplitude = options.get("source") == GUIDED and needed.get("source") == SMOOTH
+    if set(SOURCE_OPTIONS) & set(options) and not keeps_amplitude:
         needed = {name: value for name, value in needed.items() if name not in SOURCE_OPTIONS}
     return {**needed, **options}
 

@@ -75,7 +75,7 @@ def make_vec(
     of_swarms = {name: value for name, value in options.items() if name not in OF_VECTORS}
     if base is not None:
         controller = make_controller_for(optimizer, base, options) if isinstance(base, str) else base
-        of_swarms = {**_needed_by(controller, of_swarms), **of_swarms}
+        of_swarms = _completed_for(controller, of_swarms)
     chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
     if base is not None and "action" not in options:
         chosen["action"] = FOR_CORRECTIONS.get(controller.action, chosen["action"])
@@ -90,12 +90,12 @@ def make_vec(
     return made if choices is None else ChoiceVecEnv(made, _combinations(choices, made.action_space))
 
 
-def _needed_by(base: Controller, given: Mapping[str, object]) -> dict[str, object]:
-    """Return options with those that a base needs, so that no default for learners replaces these."""
-    needed = completed(base, given)
-    if not set(SOURCE_OPTIONS) & set(needed):
-        needed["source"] = UNIFORM
-    return needed
+def _completed_for(base: Controller, given: Mapping[str, object]) -> dict[str, object]:
+    """Return given options and those that a base needs, so that defaults for learners replace neither."""
+    options = completed(base, given)
+    if not set(SOURCE_OPTIONS) & set(options):
+        options["source"] = UNIFORM
+    return options
 
 
 def _combinations(numbers: Sequence[int], space: Any) -> NDArray[np.float32]:

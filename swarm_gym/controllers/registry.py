@@ -42,6 +42,8 @@ __all__ = [
     "CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller", "make_controller_for",
 ]  # fmt: skip
 
+LIMITS = ("min_population_size", "max_population_size")  # options of environments
+
 
 def make_controller(name: str | ControllerName, limits: SizeLimits | None = None) -> Controller:
     """Return a controller by its name, e.g. `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
@@ -112,9 +114,7 @@ def limits_of(optimizer: str, options: Mapping[str, object]) -> SizeLimits:
         options: options of the environment by name.
     """
     chosen = {**get_optimizer(optimizer).default_options, **options}
-    sizes: list[Any] = [
-        chosen.get(name, getattr(Settings, name)) for name in ("min_population_size", "max_population_size")
-    ]
+    sizes: list[Any] = [chosen.get(name, getattr(Settings, name)) for name in LIMITS]
     return SizeLimits(*sizes)
 
 

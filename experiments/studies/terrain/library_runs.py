@@ -103,7 +103,7 @@ def keep(files: Iterable[Path], rows: Iterable[str], file: Path = FILE) -> int:
         if stored["row"] not in wanted or stored["evaluations"] < LEAST_EVALUATIONS:
             continue
         setting = Setting(*(stored[field] for field in Setting._fields))
-        _, encoding = setting.row.split(", ")
+        encoding = stored["flight"]["encoding"]
         problem = make_problem(make_scenario(setting.terrain), encoding=encoding, cost=setting.cost)
         found = KeptRuns(flights_of(problem), stored["provenance"]["commit"], stored["costs"])
         before = kept.get(setting)

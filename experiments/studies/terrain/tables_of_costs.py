@@ -85,14 +85,12 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         for k, evaluations in enumerate(asked.evaluations):
             row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".1f")
             row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".1f")
-        least = float(excess[:, 0].mean())
-        is_for_first = not np.isnan(least)
-        firsts = number(_firsts(measured, name, 0), ".0f")
-        row["first on terrains"] = firsts if is_for_first else MISSING
+        is_compared = _has_first_budget(costs)
+        row["first on terrains"] = number(_firsts(measured, name, 0), ".0f") if is_compared else MISSING
         if peer:
-            row["below the best peer"] = _below(measured, name, peer) if is_for_first else MISSING
-        found.append((least if is_for_first else np.inf, row))
-    compared = sum(not np.isnan(costs[:, 0]).any() for costs in measured.values())
+            row["below the best peer"] = _below(measured, name, peer) if is_compared else MISSING
+        found.append((float(excess[:, 0].mean()) if is_compared else np.inf, row))
+    compared = sum(map(_has_first_budget, measured.values()))
     below = ""
     if peer:
         below = (
@@ -115,9 +113,14 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     excess = {
         name: float((costs[:, 0] / best[:, None]).mean())
         for name, costs in measured.items()
-        if _is_peer(name) and not np.isnan(costs[:, 0]).any()
+        if _is_peer(name) and _has_first_budget(costs)
     }
     return min(excess, key=lambda name: excess[name], default=None)
+
+
+def _has_first_budget(costs: Floats) -> bool:
+    """Return whether a row is for the first budget, by which rows are compared."""
+    return not np.isnan(costs[:, 0]).any()
 
 
 def _is_peer(name: str) -> bool:

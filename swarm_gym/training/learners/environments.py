@@ -106,8 +106,8 @@ def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
         return None
     controller, options = reference_controller(config)
     _require_equal_starts(config, controller)
-    options_of_both = {**options, **beside_ways(config.source, controller.env_options())}
-    return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options_of_both))
+    needed = controller.options_with(options)
+    return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, needed))
 
 
 def reference_controller(config: TrainConfig) -> tuple[Controller, EnvOptions]:
