@@ -10,6 +10,7 @@ Source of the further rounds: S. Ross et al., "A reduction of imitation learning
 no-regret online learning", AISTATS 2011.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,6 +86,10 @@ class Score(NamedTuple):
     mean_gap: float
     mean_evaluations: float
 
+    def stored(self) -> dict[str, float | None]:
+        """Return the results by name for a file of JSON, which has no NaN; an unknown one is None."""
+        return {name: None if math.isnan(value) else value for name, value in self._asdict().items()}
+
 
 class Candidate(NamedTuple):
     """A fitted rule.
@@ -151,7 +156,7 @@ def run_distillation(config: DistilConfig) -> tuple[DistilledRule, dict[str, Sco
             },
             "errors": found.chosen.errors,
             "seeds": [seeds.start, seeds.stop],
-            "scores": {name: score._asdict() for name, score in scores.items()},
+            "scores": {name: score.stored() for name, score in scores.items()},
             "provenance": provenance("numba", "numpy"),
         },
     )  # fmt: skip
@@ -226,11 +231,9 @@ def assess(
 
 
 def describe(score: Score) -> str:
-    """Return a score as text."""
-    return (
-        f"return {score.mean_return:.3f}, gap {100 * score.mean_gap:.2f} % at "
-        f"{score.mean_evaluations:,.0f} evaluations"
-    )
+    """Return a score as text, with the gap if it is known."""
+    gap = "" if math.isnan(score.mean_gap) else f", gap {100 * score.mean_gap:.2f} %"
+    return f"return {score.mean_return:.3f}{gap} at {score.mean_evaluations:,.0f} evaluations"
 
 
 def _mean_return(candidate: Candidate) -> float:

@@ -96,6 +96,15 @@ def spaceless(name: str) -> str:
     return re.sub(r" *([:?#&=,]) *", r"\1", name.strip(" "))
 
 
+def spaceless_beside_path(name: str) -> str:
+    """Return a name such as `<family>:<path>#7` without needless spaces; those inside the path stay."""
+    match = re.fullmatch(r"([^:]*):(.*)([?#].*)", name, re.DOTALL)
+    if match is None:
+        return spaceless(name)
+    family, path, rest = match.groups()
+    return f"{family.strip(' ')}:{path.strip(' ')}{spaceless(rest)}"
+
+
 def parse_numbers(text: str, name: str) -> range:
     """Return the numbers that a text such as `7` or `0-511` stands for, the last one included.
 

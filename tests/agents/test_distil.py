@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.distil import DistilConfig, assess, distil, run_distillation
+from agents.distil import DistilConfig, Score, assess, describe, distil, run_distillation
 from agents.rule_fit import Fit, fit_within, select_forward, share_out
 from helpers.slow import slow_but
 from helpers.trainings import make_correction
@@ -128,6 +128,15 @@ def test_an_episode_that_runs_away_is_broken_off():
     stopped = assess(large, TRAINING, VALIDATION[:2], most_evaluations=3000)
     assert 3000 <= stopped.mean_evaluations < 6000
     assert assess(large, TRAINING, VALIDATION[:2]).mean_evaluations > 100_000
+
+
+def test_an_unknown_gap_is_stored_as_null_and_not_printed():
+    score = Score(1.5, math.nan, 2000.0)
+    assert json.dumps(score.stored(), allow_nan=False) == (
+        '{"mean_return": 1.5, "mean_gap": null, "mean_evaluations": 2000.0}'
+    )
+    assert describe(score) == "return 1.500 at 2,000 evaluations"
+    assert describe(score._replace(mean_gap=0.25)) == "return 1.500, gap 25.00 % at 2,000 evaluations"
 
 
 def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):

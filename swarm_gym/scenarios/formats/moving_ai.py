@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers, spaceless
+from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers, spaceless_beside_path
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.graded_map import GradedMap, Grading, terrain_map
 from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
@@ -129,7 +129,7 @@ def tidy(name: str) -> str:
     Raises:
         ScenarioError: if the name has another form.
     """
-    name = spaceless(name)
+    name = spaceless_beside_path(name)
     given, *_ = _parse(name)
     short = given if Path(given).is_absolute() else given.removesuffix(".map")
     return name.replace(f":{given}", f":{short}", 1)

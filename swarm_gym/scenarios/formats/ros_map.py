@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
-from swarm_gym.scenarios.family import Family, spaceless
+from swarm_gym.scenarios.family import Family, spaceless_beside_path
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.formats.ros_image import ARRAYS, Picture, locate_picture, read_picture
 from swarm_gym.scenarios.graded_map import SCALES, UNKNOWN_CELLS, GradedMap, Grading, graded
@@ -158,7 +158,7 @@ def tidy(name: str) -> str:
     Raises:
         ScenarioError: if the name has another form.
     """
-    name = spaceless(name)
+    name = spaceless_beside_path(name)
     given = _parse(name).map
     short = given if Path(given).is_absolute() else given.removesuffix(".yaml")
     return name.replace(f":{given}", f":{short}", 1)

@@ -232,6 +232,14 @@ def test_cells_may_have_spaces_between_them(small):
     assert make_scenario(name).name == "moving-ai:small?start=3,1&goal=0,2"
 
 
+def test_spaces_inside_the_path_of_a_map_stay(small):
+    for file in ("small.map", "small.map.scen"):
+        (small / file).rename(small / file.replace("small", "floor 2, b # c"))
+    assert make_scenario("moving-ai: floor 2, b # c.map # 1").name == "moving-ai:floor 2, b # c#1"
+    name = "moving-ai: floor 2, b # c.map ? start = 3, 1 & goal = 0, 2"
+    assert make_scenario(name).name == "moving-ai:floor 2, b # c?start=3,1&goal=0,2"
+
+
 def test_problems_of_a_range_in_blocked_cells_are_left_out_with_one_warning(small):
     blocked = b"2\tmaps/small.map\t4\t3\t1\t0\t0\t0\t9\n" + b"2\tmaps/small.map\t4\t3\t0\t0\t2\t2\t9\n"
     written(small, PROBLEMS + blocked, "small.map.scen")

@@ -352,6 +352,13 @@ def test_a_map_has_one_name_however_it_is_written(folder, given):
     assert make_scenario(name).name == "ros:small?start=-0.5,2.25&goal=0.25,2.25"
 
 
+def test_spaces_inside_the_path_of_a_map_stay(folder):
+    for file in ("small.pgm", "small.yaml"):
+        (folder / file).rename(folder / file.replace("small.yaml", "floor 2, b = c.yaml"))
+    made = make_scenario("ros: floor 2, b = c.yaml ? start = -0.5, 2.25 & goal = 0.25, 2.25 ")
+    assert made.name == "ros:floor 2, b = c?start=-0.5,2.25&goal=0.25,2.25"
+
+
 def test_a_map_may_lie_in_a_folder_of_the_data_folder(folder):
     (folder / "house").mkdir()
     for file in ("small.pgm", "small.yaml"):
