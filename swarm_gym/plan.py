@@ -17,6 +17,7 @@ from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.drive_costs import USUAL
 from swarm_gym.planning.flights import command_line
 from swarm_gym.planning.flights.command_line import INVALID, NO_PATH
+from swarm_gym.planning.maps import files_of
 from swarm_gym.planning.planner import plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.request import PLANNERS
@@ -51,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return command_line.main(given)
     options = _parser().parse_args(given)
     try:
-        require_formats(options.output)
+        require_formats(options.output, files_of(options.map))
         evaluations, seconds = options.budget
         with warnings_in_a_line():
             found = plan(

@@ -24,7 +24,12 @@ from swarm_gym.scenarios import (
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC, Projection
 from swarm_gym.scenarios.formats.moving_ai import read_graded_map, read_map
-from swarm_gym.scenarios.formats.ros_map import read_graded_ros_map, read_ros_map
+from swarm_gym.scenarios.formats.ros_map import (
+    ENDINGS,
+    read_graded_ros_map,
+    read_ros_map,
+    read_yaml,
+)
 from swarm_gym.scenarios.graded_map import GradedMap, Grading
 
 READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
@@ -114,6 +119,22 @@ def read_cells(where: AnyMap, grading: Grading) -> AnyMap:
         return where
     ending, path = ending_of(str(where)), _path_of(where)
     return READERS[ending](path) if grading.is_usual else GRADED_READERS[ending](path, grading)
+
+
+def files_of(where: str) -> list[Path]:
+    """Return the files that hold the map of a name: its file and the picture that it names, or none.
+
+    Args:
+        where: name of a file, here or in the data folder, or of a scenario.
+
+    Raises:
+        ScenarioError: for a file that is missing or malformed.
+        MissingExtraError: if PyYAML is missing.
+    """
+    if not _is_file(where):
+        return []
+    path = _path_of(where)
+    return [path, read_yaml(path).image] if ending_of(path) in ENDINGS else [path]
 
 
 def _is_file(where: str | Path | AnyScenario) -> bool:

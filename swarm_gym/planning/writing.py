@@ -115,35 +115,50 @@ def format_of(path: Path, formats: Mapping[str, Made]) -> Made:
     return formats[path.suffix]
 
 
-def checked(paths: Iterable[Path], formats: Mapping[str, object]) -> Iterator[Path]:
+def checked(
+    paths: Iterable[Path], formats: Mapping[str, object], read: Iterable[object] = ()
+) -> Iterator[Path]:
     """Yield each name of a file that can be written, so that the caller can check more of it.
 
     Args:
         paths: files to write.
         formats: function that makes the content of a file, by the ending of its name.
+        read: the map and other inputs of the plan; those that are paths of files must stay.
 
     Raises:
-        SettingError: for an ending that is not in `formats`, a folder, or a name that is given twice.
+        SettingError: for an ending that is not in `formats`, a folder, a name below a file or given twice, or
+            a file that is read.
     """
+    kept = {Path(one).resolve() for one in read if isinstance(one, str | Path) and Path(one).is_file()}
     seen = set()
     for path in paths:
         format_of(path, formats)
         if path.is_dir():
             raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
+        above = next(one for one in path.absolute().parents if one.exists())
+        if not above.is_dir():
+            raise SettingError(f"output {str(path)!r}: {str(above)!r} is a file, no folder for it")
+        if path.resolve() in kept:
+            raise SettingError(f"output {str(path)!r}: it is read to plan with; name another file")
         yield path
         if path in seen:
             raise SettingError(f"output {str(path)!r}: given twice; name each file once")
         seen.add(path)
 
 
-def require_formats(paths: Iterable[Path]) -> None:
+def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
     """Raise an error unless the path of a plan can be written to files of these names.
 
+    Args:
+        paths: files to write.
+        read: the map and other inputs of the plan; those that are paths of files must stay.
+
     Raises:
-        SettingError: for an ending that is not in `FORMATS`, a folder, or a name that is given twice.
+        SettingError: for an ending that is not in `FORMATS`, a folder, a name below a file or given twice, or
+            a file that is read.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    for path in checked(paths, FORMATS):
+    for path in checked(paths, FORMATS, read):
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "maps")
 

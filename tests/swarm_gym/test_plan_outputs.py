@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from swarm_gym.errors import SettingError
+from swarm_gym.files import write_atomically
 from swarm_gym.plan import main
 from swarm_gym.planning import plan, writing
 
@@ -73,8 +74,34 @@ def test_no_file_is_written_before_all_contents_are_complete(tmp_path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_that_cannot_be_written_is_named_and_the_others_are_whole(tmp_path, capsys):
-    (tmp_path / "file").write_text("")
-    assert main([*COMMAND, *outputs(tmp_path / "a.csv", tmp_path / "file" / "b.csv")]) == 2
-    assert str(tmp_path / "file") in capsys.readouterr().err
+def test_a_file_that_cannot_be_written_is_named_and_the_others_are_whole(tmp_path, monkeypatch, capsys):
+    def filling(path, content):
+        if path.name == "b.csv":
+            raise OSError(28, "No space left on device", str(path))
+        return write_atomically(path, content)
+
+    monkeypatch.setattr(writing, "write_atomically", filling)
+    assert main([*COMMAND, *outputs(tmp_path / "a.csv", tmp_path / "b.csv")]) == 2
+    assert "b.csv': cannot be written: No space left on device" in capsys.readouterr().err
     assert len(np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)) > 2
+
+
+def test_a_name_below_a_file_is_refused_before_anything_is_planned(tmp_path, unplanned, capsys):
+    (tmp_path / "file").write_text("")
+    assert main([*COMMAND, *outputs(tmp_path / "file" / "folder" / "b.csv")]) == 2
+    assert f"'{tmp_path / 'file'}' is a file, no folder for it" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["small.yaml", "small.png"])
+def test_neither_a_map_nor_its_picture_is_replaced(tmp_path, name, unplanned, capsys):
+    pytest.importorskip("yaml", reason="needs the extra `maps`")
+    (tmp_path / "small.png").write_bytes(b"a picture")
+    (tmp_path / "small.yaml").write_text(
+        "image: small.png\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        "free_thresh: 0.196\n"
+    )
+    before = (tmp_path / name).read_bytes()
+    command = ["--map", str(tmp_path / "small.yaml"), "--start", "1,1", "--goal", "2,2"]
+    assert main([*command, *outputs(tmp_path / name)]) == 2
+    assert "it is read to plan with; name another file" in capsys.readouterr().err
+    assert (tmp_path / name).read_bytes() == before

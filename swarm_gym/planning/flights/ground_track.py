@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LONGEST = 40.0  # metres
-NEAREST = 1e-6  # metres from start and goal, nearer than which a line between cells is passed over
+NEAREST = 1e-6  # metres from another node, nearer than which a line between cells is passed over
 
 
 class GroundTrack(NamedTuple):
@@ -65,6 +65,7 @@ def ground_track(task: Survey, route: Floats, *, finer_ends: bool = False) -> Gr
     nodes, segments, vertices = _nodes_in_file(task, route) if task.is_resampled else _nodes(task, route)
     if finer_ends:
         nodes, segments, vertices = _with_finer_ends(nodes, segments, vertices)
+    nodes, segments, vertices = _without_near_ones(nodes, segments, vertices)
     ground = task.ground(nodes)
     middle = task.ground(0.5 * (nodes[:-1] + nodes[1:])) - 0.5 * (ground[:-1] + ground[1:])
     lengths = np.sqrt((np.diff(nodes, axis=0) ** 2).sum(axis=1))
@@ -77,6 +78,22 @@ def ground_track(task: Survey, route: Floats, *, finer_ends: bool = False) -> Gr
         segments,
         vertices,
     )
+
+
+def _without_near_ones(
+    nodes: Floats, segments: Integers, vertices: Integers
+) -> tuple[Floats, Integers, Integers]:
+    """Return nodes without those that lie next to another one, as at corners of cells; vertices stay.
+
+    Beside a vertex, roundings would make a flight turn.
+    """
+    is_near = np.sqrt((np.diff(nodes, axis=0) ** 2).sum(axis=1)) <= NEAREST
+    is_vertex = np.zeros(len(nodes), dtype=bool)
+    is_vertex[vertices] = True
+    before_vertex = np.append(is_near & is_vertex[1:], False)
+    is_kept = is_vertex | ~(np.append(False, is_near) | before_vertex)
+    places = np.cumsum(is_kept) - 1
+    return nodes[is_kept], segments[is_kept[:-1]], places[vertices]
 
 
 def _with_finer_ends(

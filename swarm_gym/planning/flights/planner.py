@@ -64,10 +64,11 @@ def plan_flight(
         optimizer: name of the optimizer; by default one that suits flights.
         controller: name of the controller; by default a fixed population size.
         max_evaluations: evaluations after which no further episode begins, and at least one does.
-        max_seconds: seconds after which planning ends.
+        max_seconds: seconds after which planning ends. A map is read whole, and a flight looked for along the
+            coarse graph at least, if the straight line cannot be flown.
         seed: seed of the first episode.
         outputs: names of files for a later call of `write_flight`; nothing is written here. A wrong ending,
-            or a format that the map does not allow, is refused before planning.
+            a file that is read, or a format that the map does not allow, is refused before planning.
 
     Raises:
         ScenarioError: for files, a start, a goal or limits that are invalid.
@@ -81,7 +82,7 @@ def plan_flight(
         require_number("max_seconds", max_seconds, 1e-3, 1e9)
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
-    require_formats(outputs)
+    require_formats(outputs, (where, threats))
     began = time.monotonic()
     given = {
         "altitude": altitude,

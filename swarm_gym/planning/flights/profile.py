@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.planning.flights.ground_track import GroundTrack, ground_track
+from swarm_gym.planning.flights.ground_track import NEAREST, GroundTrack, ground_track
 from swarm_gym.scenarios import TerrainScenario
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y
 from swarm_gym.scenarios.terrain.survey import Survey
@@ -98,7 +98,8 @@ def _with_rims(scenario: TerrainScenario, route: Floats) -> Floats:
             aside = float((x - begin[0]) * step[1] - (y - begin[1]) * step[0]) / length
             if abs(aside) < reach:
                 half = math.sqrt(reach * reach - aside * aside)
-                added += [begin + step * (s / length) for s in (ahead - half, ahead + half) if 0 < s < length]
+                rims = [s for s in (ahead - half, ahead + half) if NEAREST < s < length - NEAREST]
+                added += [begin + step * (s / length) for s in rims]
     if not added:
         return route
     finer = [route[:1]]  # turns at rims are zero

@@ -63,6 +63,8 @@ class FlightSearch:
         """
         try:
             while True:
+                if self.improvements and time.monotonic() >= limit:
+                    return False
                 self._run(limit)
                 if (
                     time.monotonic() >= limit
@@ -84,7 +86,7 @@ class FlightSearch:
                 iterations=ITERATIONS,
                 **self._options,
             )
-            self._keep_ways(self._environments[count])
+            self._keep_ways(self._environments[count], limit)
         if self.improvements and time.monotonic() >= limit:
             return  # the time was spent on planning ways
         env = self._environments[count]
@@ -107,12 +109,14 @@ class FlightSearch:
         """Return the smallest angle of climb in degrees that a route so far needs, or infinity."""
         return min((least_climb(self._task, route) for route in self._refused), default=math.inf)
 
-    def _keep_ways(self, env: SwarmEnv) -> None:
-        """Keep the flights over a coarse graph, around which the members of a swarm begin."""
+    def _keep_ways(self, env: SwarmEnv, limit: float) -> None:
+        """Keep flights over a coarse graph, around which members begin, until a time of the clock."""
         problem = env.simulation.problems[0]
         assert isinstance(problem, TerrainProblem)
         assert problem.ways is not None
         for way in problem.points(problem.ways):
+            if self.improvements and time.monotonic() >= limit:
+                return
             self._keep(way, "coarse graph")
 
     def _keep_best(self, env: SwarmEnv) -> None:

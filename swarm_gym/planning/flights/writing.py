@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 WAYPOINT, ABOVE_SEA, ABSOLUTE, MULTICOPTER, PX4 = 16, 0, 2, 2, 12
 SPEED = 5.0  # metres a second
 DECIMALS = 9  # of degrees, a tenth of a millimetre
+NEAR = 0.1  # metres
 
 
 def as_csv(flight: Flight) -> str:
@@ -40,9 +41,13 @@ def as_csv(flight: Flight) -> str:
 def as_geojson(flight: Flight) -> str:
     """Return a feature with a line string, whose positions have heights above sea level.
 
-    Coordinates are longitude and latitude where the map has a place on the earth, else map coordinates.
+    Coordinates are longitude and latitude where the map has a place on the earth, else map coordinates. There
+    long legs have positions between their waypoints, since lines of GeoJSON are straight in degrees.
     """
-    places = flight.path if flight.in_degrees is None else flight.in_degrees
+    waypoints = flight.waypoints if flight.in_degrees is None else _fine_waypoints(flight)
+    degrees = flight.task.in_degrees(waypoints[:, :2])
+    places = flight.path if degrees is None else np.column_stack([degrees, waypoints[:, 2]])
+    above_ground = waypoints[:, 2] - flight.task.ground(waypoints[:, :2])
     facts = {
         "map": flight.map.name,
         "length": flight.length,
@@ -50,7 +55,7 @@ def as_geojson(flight: Flight) -> str:
         "greatest_height_above_ground": flight.greatest_height,
         "steepest_climb": flight.steepest_climb,
         "sharpest_turn": flight.sharpest_turn,
-        "above_ground": flight.above_ground.tolist(),
+        "above_ground": above_ground.tolist(),
         "evaluations": flight.evaluations,
         "found_by": flight.found_by,
     }
@@ -144,14 +149,19 @@ FORMATS: dict[str, Callable[[Flight], str | bytes]] = {
 }
 
 
-def require_formats(paths: Iterable[Path]) -> None:
+def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
     """Raise an error unless a flight can be written to files of these names.
 
+    Args:
+        paths: files to write.
+        read: the map and other inputs of the plan; those that are paths of files must stay.
+
     Raises:
-        SettingError: for an ending that is not in `FORMATS`, a folder, or a name that is given twice.
+        SettingError: for an ending that is not in `FORMATS`, a folder, a name below a file or given twice, or
+            a file that is read.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    for path in checked(paths, FORMATS):
+    for path in checked(paths, FORMATS, read):
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "terrain")
 
@@ -189,6 +199,25 @@ def write_flight(flight: Flight, *paths: Path) -> None:
     write_all({path: format_of(path, FORMATS)(flight) for path in paths})
 
 
+def _fine_waypoints(flight: Flight) -> Floats:
+    """Return waypoints and points between them, (n, 3) in metres, so that lines straight in degrees are near.
+
+    Halfway between two of them such a line is no more than about `NEAR` away from the flight.
+    """
+    waypoints = flight.waypoints
+    degrees = flight.task.in_degrees(waypoints[:, :2])
+    assert flight.task.system is not None
+    assert degrees is not None
+    steps = np.diff(degrees, axis=0)
+    steps[:, 0] -= 360.0 * np.round(steps[:, 0] / 360.0)
+    straight = flight.task.system.to_metres(degrees[:-1] + 0.5 * steps)
+    off = np.hypot(*(straight - 0.5 * (waypoints[:-1, :2] + waypoints[1:, :2])).T)
+    pieces = [waypoints[:1]]
+    for begin, end, count in zip(waypoints[:-1], waypoints[1:], np.ceil(np.sqrt(off / NEAR)), strict=True):
+        pieces.append(np.linspace(begin, end, max(int(count), 1) + 1)[1:])
+    return np.vstack(pieces)
+
+
 def _degrees(flight: Flight) -> Floats:
     places = flight.in_degrees
     if places is None:
@@ -211,7 +240,7 @@ def _fences(flight: Flight) -> list[dict[str, Any]]:
         {
             "circle": {
                 "center": [round(latitude, DECIMALS), round(longitude, DECIMALS)],
-                "radius": float(one[RADIUS]),
+                "radius": flight.task.true_radius(one),
             },
             "inclusion": False,
             "version": 1,

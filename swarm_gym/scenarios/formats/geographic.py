@@ -1,6 +1,5 @@
 """Longitude and latitude: a local projection to metres, and which files have such coordinates."""
 
-import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -22,7 +21,6 @@ COORDINATES = (PLANE, GEOGRAPHIC)
 # changes lengths by at most 2.1e-5 of them.
 WIDEST = 100_000.0
 FINEST = 3  # decimals that coordinates in metres seldom exceed
-MOST_STRETCH = 0.02  # of a length: more than UTM or national systems have
 SAME_METRES, SAME_DEGREES = 5.0, 5e-5  # between places that count as the same: ETRS89 is near WGS 84
 DEGREES = "EPSG:4326"
 
@@ -104,6 +102,12 @@ def kind_of_system(where: str, system: str) -> str:
                 f"{where}: expected heights in metres, the reference system {shown(found.name)} has "
                 f"{axis.unit_name}; convert the heights first"
             )
+        if axis.name == "Ellipsoidal height":
+            warnings.warn(
+                f"{where}: heights of the reference system {shown(found.name)} are above the ellipsoid, and "
+                "count as heights above sea level, from which they may be 100 metres off; convert them first",
+                stacklevel=2,
+            )
     if found.is_geographic:
         return GEOGRAPHIC
     units = {axis.unit_name for axis in found.axis_info[:2]}
@@ -113,34 +117,6 @@ def kind_of_system(where: str, system: str) -> str:
             f"has {', '.join(sorted(units)) or 'none'}; warp the file first, for example to UTM"
         )
     return PLANE
-
-
-def require_true_lengths(where: str, system: PlaneSystem, ends: Floats) -> None:
-    """Raise an error unless metres of a system are metres on the ground, around start and goal.
-
-    Args:
-        where: name of the map, for messages.
-        system: the system.
-        ends: (2, 2) start and goal in it.
-
-    Raises:
-        ScenarioError: if a length differs by more than `MOST_STRETCH` of it, as in EPSG:3857.
-    """
-    import pyproj
-
-    reach = math.dist(*ends.tolist())
-    globe = pyproj.Geod(ellps="WGS84")
-    for begin in ends:
-        for bearing in np.arange(4) * math.pi / 4.0:  # a system may shear, so that diagonals differ
-            step = reach * np.array([math.cos(bearing), math.sin(bearing)])
-            (x, y), (to_x, to_y) = system.to_degrees(np.array([begin, begin + step])).tolist()
-            true = globe.inv(x, y, to_x, to_y)[2]
-            if not abs(reach - true) <= MOST_STRETCH * true:  # also for NaN and infinity
-                raise ScenarioError(
-                    f"{where}: {reach:.0f} metres of its reference system are {true:.0f} metres on the "
-                    f"ground near {x:.5f}, {y:.5f}, expected the same; warp the file first, for example to "
-                    "UTM"
-                )
 
 
 def require_usual_degrees(where: str, system: str, points: Floats) -> None:

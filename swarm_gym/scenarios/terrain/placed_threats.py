@@ -17,6 +17,7 @@ from swarm_gym.scenarios.formats.geographic import (
     require_same_system,
 )
 from swarm_gym.scenarios.formats.threat_file import Threat, read_threats
+from swarm_gym.scenarios.formats.true_lengths import radius_in_plane
 from swarm_gym.scenarios.terrain.task_ground import in_file
 
 Floats = NDArray[np.float64]
@@ -27,7 +28,9 @@ FAR = 1e9  # metres
 def cylinders_of(
     path: Path, kind: str, elevation: Elevation, system: Projection | PlaneSystem | None
 ) -> Floats:
-    """Return x, y, top above sea level and radius of each threat of a file, (k, 4), in metres.
+    """Return x, y, top above sea level and radius of each threat of a file, (k, 4), in metres of the task.
+
+    A radius in the file is in metres on the ground, from which those of a plane system differ a little.
 
     A height above ground counts from the ground of the elevation model, or from its edge. Without data there,
     the threat blocks every altitude.
@@ -68,7 +71,10 @@ def cylinders_of(
         if top is None:
             assert threat.height is not None
             top = math.inf if np.isnan(ground[number]) else threat.height + float(ground[number])
-        cylinders[number] = x, y, top, threat.radius
+        radius = threat.radius
+        if isinstance(system, PlaneSystem):
+            radius = radius_in_plane(system, places[number], radius)
+        cylinders[number] = x, y, top, radius
     return cylinders
 
 

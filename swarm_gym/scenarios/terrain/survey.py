@@ -22,14 +22,16 @@ from swarm_gym.scenarios.formats.geographic import (
     Projection,
     projection_for,
     require_coordinates,
-    require_true_lengths,
     require_usual_degrees,
 )
+from swarm_gym.scenarios.formats.true_lengths import radius_on_ground, require_true_lengths
 from swarm_gym.scenarios.terrain.placed_threats import cylinders_of
-from swarm_gym.scenarios.terrain.scenario import EndError, Point3, TerrainScenario
+from swarm_gym.scenarios.terrain.scenario import RADIUS, EndError, Point3, TerrainScenario
 from swarm_gym.scenarios.terrain.task_ground import in_file, is_square, task_ground, words
 
 Floats = NDArray[np.float64]
+
+MILLIMETRES = 3  # decimals of a radius in metres
 
 
 class Limits(TypedDict, total=False):
@@ -68,6 +70,13 @@ class Survey:
     def in_degrees(self, points: Floats) -> Floats | None:
         """Return points (n, 2) of the scenario as longitude and latitude; None without a place on earth."""
         return None if self.system is None else self.system.to_degrees(points)
+
+    def true_radius(self, threat: Floats) -> float:
+        """Return the radius of a threat, (4,), in metres on the ground; those of the map differ a little."""
+        radius = float(threat[RADIUS])
+        if not isinstance(self.system, PlaneSystem):
+            return radius
+        return round(radius_on_ground(self.system, threat[:2], radius), MILLIMETRES)
 
     @property
     def is_resampled(self) -> bool:

@@ -3,7 +3,8 @@
 A model in metres keeps its posts, if they are as far apart to the east as to the north. Any other is sampled.
 The grid is twice as fine as the posts where that is not too much. It is a rectangle in metres, and ends near
 the edge of a map in degrees make it reach beyond. Nodes off the map have the height of its edge;
-`Survey.ground` knows no ground there.
+`Survey.ground` knows no ground there. Nodes beside start and goal are changed a little, so that the ground
+between them has the height of the file there.
 """
 
 import math
@@ -78,7 +79,34 @@ def task_ground(
     last = np.clip(np.ceil(posts.max(axis=0)), first + 1, last_post).astype(int)
     _require_heights(path, elevation, first, last, system if kind != elevation.kind else None)
     x, y = low.tolist()
-    return elevation.at(places).reshape(rows, columns), (x, y), float(spacing)
+    heights = elevation.at(places).reshape(rows, columns)
+    on_map = np.clip(in_file(elevation, system, ends), (x_min, y_min), (x_max, y_max))
+    _agree_at((ends - low) / spacing, elevation.at(on_map), heights)
+    return heights, (x, y), float(spacing)
+
+
+def _agree_at(places: Floats, wanted: Floats, heights: Floats) -> None:
+    """Change heights beside places as little as possible, in the array, so that the ground there is right.
+
+    Args:
+        places: (k, 2) columns and rows of the places, between those of nodes.
+        wanted: (k,) heights of the ground there.
+        heights: (rows, columns) heights of the nodes.
+    """
+    rows, columns = heights.shape
+    corner = np.clip(np.floor(places), 0, [columns - 2, rows - 2]).astype(int)
+    share = np.clip(places - corner, 0.0, 1.0)
+    i, j = corner.T
+    x, y = share.T
+    beside = np.stack(
+        [j * columns + i, j * columns + i + 1, (j + 1) * columns + i, (j + 1) * columns + i + 1]
+    )
+    weights = np.stack([(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y])
+    nodes, numbers = np.unique(beside, return_inverse=True)
+    matrix = np.zeros((len(places), len(nodes)))
+    matrix[np.arange(len(places)), numbers.reshape(beside.shape)] = weights
+    flat = heights.reshape(-1)
+    flat[nodes] += np.linalg.lstsq(matrix, wanted - matrix @ flat[nodes])[0]
 
 
 def is_square(elevation: Elevation) -> bool:

@@ -10,8 +10,9 @@ from helpers.terrain_files import hill, write_asc, write_hgt, write_threats
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.scenarios import TerrainScenario, make_scenario
 from swarm_gym.scenarios.formats.elevation_files import read_elevation
-from swarm_gym.scenarios.formats.geographic import PlaneSystem, require_true_lengths
+from swarm_gym.scenarios.formats.geographic import PlaneSystem
 from swarm_gym.scenarios.formats.threat_file import read_threats
+from swarm_gym.scenarios.formats.true_lengths import require_true_lengths
 from swarm_gym.scenarios.terrain.survey import survey
 
 START, GOAL = (1500.0, 2500.0, 150.0), (4500.0, 4500.0, 120.0)
