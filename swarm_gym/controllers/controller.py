@@ -89,6 +89,14 @@ class Controller(ABC):
             Lists, tuples, dictionaries by name, texts, numbers and None, which JSON can hold.
         """
 
+    def stretched(self, factor: float) -> "Controller":  # noqa: ARG002 (of controllers with knots)
+        """Return this controller for episodes with so many times as many iterations, the same if none counts.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one that it was made for.
+        """
+        return self
+
     def env_options(self) -> NeededOptions:
         """Return the options that the environment of this controller needs."""
         options: NeededOptions = {

@@ -8,6 +8,7 @@ roots, and the share of smooth members as it is. The manifest of a file states h
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,18 @@ class OpenLoop(Controller):
             "decisions": {name: [float(value) for value in column] for name, column in knots.columns.items()},
             "first source": knots.first_source.identity() if knots.first_source else None,
         }
+
+    def stretched(self, factor: float) -> "OpenLoop":
+        """Return the loop with each knot at so many times its iteration, rounded.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one that it was made for.
+
+        Raises:
+            ValueError: if two knots fall into one iteration, or the last one is too far away.
+        """
+        iterations = [round(factor * knot) for knot in self.knots.iterations]
+        return OpenLoop(replace(self.knots, iterations=iterations), self._limits)
 
     def act(self, observations: NDArray) -> Floats:
         """Return (B, k) decisions for the next iteration; those at the last knot hold ever after."""

@@ -47,13 +47,13 @@ TUNED_RULES = {
     ("differential-evolution", "shifted"): "tuned:terrain-schedule",
 }
 
-# L-SHADE's own rule, from the population size that mealpy begins with, and the iterations of its episodes
-# with `EVALUATIONS`.
+# A fall by iterations, from the population size that mealpy begins with, and the iterations of its episodes
+# with `EVALUATIONS`. In L-SHADE's paper the size falls with the evaluations spent.
 REDUCTION, REDUCING_ITERATIONS = "linear-reduction:start=100,smallest=4", 48
 
 
 def rule_rows() -> list[AnyRow]:
-    """Return the rows of L-SHADE's own rule, and of the paper's in fireflies and in L-SHADE."""
+    """Return the rows of a linear reduction, and of the paper's rules in fireflies and in L-SHADE."""
     found: list[AnyRow] = [
         ControlledRow(
             "linear reduction",
@@ -106,8 +106,14 @@ def rows() -> list[AnyRow]:
 
 
 def controller_of(row: ControlledRow, name: str, evaluations: int) -> Controller:
-    """Return a controller of a row, for episodes of its optimizer with an evaluation budget."""
-    return with_budget(_by_name(row, name), evaluations)
+    """Return a controller of a row, for episodes of its optimizer with an evaluation budget.
+
+    Knots of schedules, also of those that policies correct, lie as far apart as episodes are longer.
+    """
+    made = with_budget(_by_name(row, name), evaluations)
+    if row.iterations is None or row.iterations_of(evaluations) == row.iterations:
+        return made
+    return made.stretched(row.iterations_of(evaluations) / row.iterations)
 
 
 def _by_name(row: ControlledRow, name: str) -> Controller:

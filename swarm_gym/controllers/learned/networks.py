@@ -4,6 +4,7 @@ A policy's manifest names its kind of network, a key of `NETWORKS`. Sums run alo
 a decision does not depend on how many swarms are decided for at once.
 """
 
+import copy
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -96,6 +97,19 @@ class FeedforwardController(Controller):
         """Reset the controller that the policy corrects; the policy itself has no state."""
         if self._base is not None:
             self._base.controller.reset(num_swarms, seed)
+
+    def stretched(self, factor: float) -> "FeedforwardController":
+        """Return the policy with a base that is stretched; what it observes of the iteration is a share.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one of its training.
+        """
+        if self._base is None:
+            return self
+        other = copy.copy(self)
+        other._base = self._base.stretched(factor)
+        other.corrects = other._base.controller
+        return other
 
     def identity(self) -> object:
         """Return the digest of the weights, the layouts and sizes, and the controller that is corrected.

@@ -4,6 +4,7 @@ Source: T. Silver et al., "Residual policy learning", arXiv 1812.06298 (2018). D
 added in an action layout scaled to [-1, 1]. So a policy whose output is zero decides as its base does.
 """
 
+import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -92,6 +93,12 @@ class Base:
             )
         has_number = not self._counts or features[ITERATION].name == "iteration"
         self.iteration_unit = 1 if has_number else Settings.iterations
+
+    def stretched(self, factor: float) -> "Base":
+        """Return the base with its controller stretched, see `Controller.stretched`."""
+        other = copy.copy(self)
+        other.controller = self.controller.stretched(factor)
+        return other
 
     def features(self, observation: str) -> list[str]:
         """Return the names of the policy's observation features."""

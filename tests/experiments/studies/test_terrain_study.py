@@ -243,6 +243,21 @@ def test_policies_have_longer_episodes_with_larger_budgets_and_blinded_ones_have
     assert controller_of(learned, name, EVALUATIONS).env_options()["max_evaluations"] == EVALUATIONS
 
 
+def test_schedules_and_what_policies_correct_are_stretched_over_larger_budgets():
+    known = {row.name: row for row in rows()}
+    schedule = known["L-SHADE, blind schedule, with sources, shifted, guided"]
+    assert schedule.iterations_of(20_000) == 8 * schedule.iterations
+    before, after = (
+        controller_of(schedule, schedule.controllers[0], budget) for budget in (EVALUATIONS, 20_000)
+    )
+    assert list(after.knots.iterations) == [8 * knot for knot in before.knots.iterations]
+    policy = known["L-SHADE, learned, with sources, shifted, guided"]
+    before, after = (
+        controller_of(policy, policy.controllers[0], budget).corrects for budget in (EVALUATIONS, 20_000)
+    )
+    assert list(after.knots.iterations) == [8 * knot for knot in before.knots.iterations]
+
+
 def test_captions_name_ranges_of_terrains():
     names = [f"terrain:test:{k}" for k in (*range(8), 9, *range(28, 30))]
     costs = np.ones((len(names), 1, 1))

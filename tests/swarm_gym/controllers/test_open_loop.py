@@ -44,6 +44,17 @@ def decided(loop, iterations):
     return loop.act(np.array([[0.0, 0.0, 0.0, iteration] for iteration in iterations]))
 
 
+def test_a_stretched_loop_decides_at_eight_times_the_iteration_as_before():
+    loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS), SizeLimits(10, 50))
+    longer = loop.stretched(8)
+    assert longer.initial_population_size == 50
+    assert decided(longer, range(0, 96, 8)) == pytest.approx(decided(loop, range(12)), rel=1e-12)
+    assert decided(longer, [4])[0, 0] == pytest.approx(50.0)  # 70 members fall to 30, clipped
+    assert loop.stretched(1).identity() == loop.identity() != longer.identity()
+    with pytest.raises(ValueError, match="begin with 0 and increase"):
+        loop.stretched(0.1)
+
+
 def test_decisions_are_interpolated_in_logarithm_and_square_root():
     loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS))
     for iteration, row in enumerate(decided(loop, range(12))):

@@ -93,6 +93,24 @@ def test_a_policy_that_corrects_nothing_decides_as_its_base_bit_for_bit(tmp_path
     assert len(np.unique(ours.sizes)) > 3
 
 
+def test_a_stretched_policy_corrects_its_stretched_base(tmp_path):
+    path = tmp_path / "some.json"
+    save_open_loop(path, Knots(6, [0, 9], [6.0, 17.3], [0.1, 0.7]), {})
+    name = f"open-loop:{path}"
+    policy = silent_policy(tmp_path / "p.safetensors", make_base(name), name, "normalised")
+    longer, base = policy.stretched(4), make_controller(name, LIMITS).stretched(4)
+    assert longer.corrects.identity() == base.identity() != policy.corrects.identity()
+    assert longer.identity() != policy.identity()
+    results = [
+        run_episodes(controller, "case1", range(3), **{**SIZES, "iterations": 48})
+        for controller in (longer, Encoded(base, make_layout("normalised")), policy)
+    ]
+    assert np.array_equal(results[0].sizes, results[1].sizes)
+    assert not np.array_equal(results[0].sizes, results[2].sizes)
+    rule = silent_policy(tmp_path / "r.safetensors", make_base("spsfa-tip"), "spsfa-tip", "normalised")
+    assert rule.stretched(4).identity() == rule.identity()
+
+
 def test_the_training_environment_adds_to_the_base_what_the_controller_adds(tmp_path, based):
     name, action = based
     for last in (0.0, 0.07):
