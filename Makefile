@@ -30,7 +30,7 @@ define OVER_TERRAIN
 $(TERRAIN) --evaluations 100000 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --output results/terrain/longest
 $(TERRAIN) --evaluations 100000 --policy-runs 7 --peer-runs 1 --rows $(PLANNED) $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longest-guided
 $(TERRAIN) --evaluations 20000 --without cmaes pymoo niapy mealpy "blind schedule" learned "shifted, uniform" --output results/terrain/longer
-$(TERRAIN) --evaluations 20000 --policy-runs 7 --peer-runs 31 --rows guided "planned flight" "linear reduction" $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longer-guided
+$(TERRAIN) --evaluations 20000 --policy-runs 7 --peer-runs 31 --rows guided "planned flight" "linear reduction" $(LIBRARIES) --validation terrain:validation:0-7 --output results/terrain/longer-guided
 $(TERRAIN) --evaluations 2500 --peer-runs 31 --output results/terrain/all
 endef
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters

@@ -8,6 +8,7 @@ other controllers may be a better course of decisions.
 import copy
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +102,7 @@ def _features(controller: Controller) -> list[str]:
     return [feature.name for feature in make_observation(controller.observation).features]
 
 
-def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
+def load_blinded(policy: str, limits: SizeLimits | None = None, longer: float = 1.0) -> Masked:
     """Return a learned policy, blinded by its mean courses over all scenarios that it was trained on.
 
     The episodes of the courses have seeds that neither trainings nor tests have. They run before the first
@@ -110,13 +111,21 @@ def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
     Args:
         policy: name or path of the policy, as after `learned:`.
         limits: population sizes that the environment allows.
+        longer: iterations and evaluations of its episodes, relative to those of the training. The courses are
+            those of such episodes.
 
     Raises:
         PolicyFileError: if the file is missing, damaged or made for something else.
     """
-    controller = load_learned(policy, limits)
-    training = stored_config(controller.manifest)
-    clocks = clock_columns(controller)
+    trained = load_learned(policy, limits)
+    training = stored_config(trained.manifest)
+    clocks = clock_columns(trained)
+    options: dict[str, Any] = dict(training.env_options())
+    options["iterations"] = round(longer * options["iterations"])
+    controller = copy.copy(trained.stretched(longer))
+    if controller.max_evaluations is not None:
+        controller.max_evaluations = round(longer * controller.max_evaluations)
+        options["max_evaluations"] = controller.max_evaluations
 
     def courses() -> Floats:
         watched = watch(
@@ -126,7 +135,7 @@ def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
             ANALYSIS[:NUM_EPISODES],
             controller.observation,
             training.optimizer,
-            **training.env_options(),
+            **options,
         )
         return mean_courses(watched.seen, watched.running)
 

@@ -90,7 +90,7 @@ class Controller(ABC):
         """
 
     def stretched(self, factor: float) -> "Controller":  # noqa: ARG002 (of controllers with knots)
-        """Return this controller for episodes with so many times as many iterations, the same if none counts.
+        """Return this controller for episodes of so many times the iterations; knots of open loops move.
 
         Args:
             factor: number of iterations of an episode, relative to the one that it was made for.

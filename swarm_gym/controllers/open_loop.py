@@ -68,15 +68,17 @@ class OpenLoop(Controller):
         }
 
     def stretched(self, factor: float) -> "OpenLoop":
-        """Return the loop with each knot at so many times its iteration, rounded.
+        """Return the loop with each knot at so many times its iteration, rounded, and after the one before.
 
         Args:
             factor: number of iterations of an episode, relative to the one that it was made for.
 
         Raises:
-            ValueError: if two knots fall into one iteration, or the last one is too far away.
+            ValueError: if the last knot is too far away.
         """
-        iterations = [round(factor * knot) for knot in self.knots.iterations]
+        iterations: list[int] = []
+        for knot in self.knots.iterations:
+            iterations.append(max(round(factor * knot), iterations[-1] + 1 if iterations else 0))
         return OpenLoop(replace(self.knots, iterations=iterations), self._limits)
 
     def act(self, observations: NDArray) -> Floats:

@@ -209,7 +209,7 @@ def _place(table: TerrainTable, node: Floats, x: float, y: float, above: float) 
 
 @kernel
 def _reach_best(table: TerrainTable, node: Floats, before: Floats, order: Integers, penalty: float) -> int:
-    """Reach a node from the best of the nodes before, (N, 8), in the order of their costs; return which."""
+    """Reach a node from the best of the nodes before, (N, 9), in the order of their costs; return which."""
     best = order[0]
     for k in range(order.shape[0]):
         other = before[order[k]]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from experiments.runs.episode import controller_of as controller_of_name
+from agents.evaluation.masking import load_blinded
 from experiments.studies.controllers import with_budget
 from experiments.studies.terrain.rows import (
     PLANNED,
@@ -94,8 +94,7 @@ def learned_rows() -> list[AnyRow]:
         for family, label in (("learned", "learned"), (BLINDED, "learned, blinded")):
             if policies:
                 names = tuple(f"{family}:{name}" for name in policies)
-                row = _trained(f"{label}, {decided}", optimizer, encoding, names)
-                found.append(row._replace(longer=family != BLINDED))
+                found.append(_trained(f"{label}, {decided}", optimizer, encoding, names))
     return found
 
 
@@ -108,18 +107,21 @@ def rows() -> list[AnyRow]:
 def controller_of(row: ControlledRow, name: str, evaluations: int) -> Controller:
     """Return a controller of a row, for episodes of its optimizer with an evaluation budget.
 
-    Knots of schedules, also of those that policies correct, lie as far apart as episodes are longer.
+    Knots of schedules, also of those that policies correct, lie as far apart as episodes are longer. Blinded
+    policies have the mean inputs of such episodes.
     """
+    parts = ControllerName.parse(name)
+    longer = row.iterations_of(evaluations) / row.iterations if row.iterations else 1.0
+    if parts.family == BLINDED:
+        return load_blinded(parts.argument, longer=longer)
     made = with_budget(_by_name(row, name), evaluations)
-    if row.iterations is None or row.iterations_of(evaluations) == row.iterations:
-        return made
-    return made.stretched(row.iterations_of(evaluations) / row.iterations)
+    return made if longer == 1.0 else made.stretched(longer)
 
 
 def _by_name(row: ControlledRow, name: str) -> Controller:
     parts = ControllerName.parse(name)
-    if parts.family in (BLINDED, "learned"):
-        return controller_of_name(name)
+    if parts.family == "learned":
+        return make_controller(name)
     smallest = max(2, get_optimizer(row.optimizer).smallest_population)
     largest = LARGEST_SIZE if parts.family in ("open-loop", "tuned") else SizeLimits().largest
     return make_controller(name, SizeLimits(smallest, largest))

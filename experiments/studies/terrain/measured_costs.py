@@ -87,7 +87,7 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
     Known ones are read from the folder, and those of libraries from the file of `library_runs`, too. Where
     these are fewer than asked for, further runs are added to them. A file of more runs in the folder is not
     used. Files in the folder have the flight of the least cost, too; runs from the file of `library_runs`
-    come without flights. Costs of a budget that the row is not for are NaN.
+    come without flights. Runs have the same seeds on all terrains, those for validation among them.
 
     Args:
         row: the row.
@@ -100,9 +100,6 @@ def measure(row: AnyRow, terrain: str, asked: Asked, folder: Path, used: set[Pat
     runs = asked.runs_of(row)
     found: list[list[float]] = []
     for evaluations in asked.evaluations:
-        if isinstance(row, ControlledRow) and not row.is_for(evaluations):
-            found.append([np.nan] * runs * len(row.controllers))
-            continue
         setting = Setting(row.name, asked.cost, evaluations, terrain)
         costs, files = _measure(row, problem, setting, runs, folder)
         found.append(costs)

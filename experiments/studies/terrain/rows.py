@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from experiments.studies.libraries import installed
 
-# Population sizes, as published where papers have one; CMA-ES has its default for 20 components.
+# Population sizes, as published where papers have one; CMA-ES nearly its default for 20 components, 12.
 SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20, "multivariate": 20}
 NAMES = {
     "particle-swarm": "PSO",
@@ -112,7 +112,6 @@ class ControlledRow(NamedTuple):
         evaluations: evaluation budget of the training; None if there was no training.
         iterations: most iterations of an episode with this budget, and in proportion with others; None is as
             many as evaluations.
-        longer: whether there are episodes with other budgets.
         encoding: name of the encoding.
     """
 
@@ -122,7 +121,6 @@ class ControlledRow(NamedTuple):
     controllers: tuple[str, ...]
     evaluations: int | None = None
     iterations: int | None = None
-    longer: bool = True
     encoding: str = "waypoints"
 
     @property
@@ -135,10 +133,6 @@ class ControlledRow(NamedTuple):
         if self.iterations is None or self.evaluations is None:
             return evaluations
         return self.iterations * evaluations // self.evaluations
-
-    def is_for(self, evaluations: int) -> bool:
-        """Return whether there are episodes with an evaluation budget."""
-        return self.longer or self.evaluations in (None, evaluations)
 
     @property
     def group(self) -> tuple[str, str]:

@@ -53,8 +53,7 @@ def table_of_control(
     """Return the table.
 
     Args:
-        rows: rows that have a line, those of one group together, if their group has a rival and they are for
-            the first budget.
+        rows: rows that have a line, those of one group together, if their group has a rival.
         measured: costs, (terrains, budgets, training seeds * runs), of these rows by name.
         rivals: name of the row of each group, an optimizer and an encoding, that others are compared with.
         asked: runs of each row; the controllers are compared after the first budget.
@@ -68,7 +67,7 @@ def table_of_control(
     lines = []
     for row in rows:
         costs = measured[row.name][:, 0]
-        if row.group not in rivals or np.isnan(costs).any():
+        if row.group not in rivals:
             continue
         excess = excess_of(costs, best)
         rival = rivals[row.group]

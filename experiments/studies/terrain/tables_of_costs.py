@@ -7,7 +7,7 @@ import numpy as np
 from experiments.studies.terrain.measured_costs import Asked, Floats
 from experiments.studies.terrain.rows import PEERS, PLANNED
 from experiments.tables import Table
-from experiments.tables.cell import MISSING, Entry, number
+from experiments.tables.cell import Entry, number
 
 # Of each library the row with the least mean excess after 2,500 evaluations.
 FIRST_OF_LIBRARIES = (
@@ -58,15 +58,13 @@ def tables(
     """Return all tables.
 
     Args:
-        measured: best costs, (terrains, budgets, runs), by the name of the row; NaN for a budget that a row
-            is not for.
+        measured: best costs, (terrains, budgets, runs), by the name of the row.
         terrains: names of the terrains.
         asked: runs of each row.
         known: (terrains,) costs of the best known flights. Where it is infinite, none is known, and the best
             of these runs takes its place.
     """
-    measured = {name: costs for name, costs in measured.items() if not np.isnan(costs).all()}
-    found = np.min([np.nanmin(costs, axis=(1, 2)) for costs in measured.values()], axis=0)
+    found = np.min([costs.min(axis=(1, 2)) for costs in measured.values()], axis=0)
     best = np.where(np.isfinite(known), known, found)
     return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
 
@@ -85,12 +83,10 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         for k, evaluations in enumerate(asked.evaluations):
             row[f"mean excess, {evaluations:,}"] = number(excess[:, k].mean(), ".1f")
             row[f"median, {evaluations:,}"] = number(np.median(excess[:, k]), ".1f")
-        is_compared = _has_first_budget(costs)
-        row["first on terrains"] = number(_firsts(measured, name, 0), ".0f") if is_compared else MISSING
+        row["first on terrains"] = number(_firsts(measured, name), ".0f")
         if peer:
-            row["below the best peer"] = _below(measured, name, peer) if is_compared else MISSING
-        found.append((float(excess[:, 0].mean()) if is_compared else np.inf, row))
-    compared = sum(map(_has_first_budget, measured.values()))
+            row["below the best peer"] = _below(measured, name, peer)
+        found.append((float(excess[:, 0].mean()), row))
     below = ""
     if peer:
         below = (
@@ -101,7 +97,7 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
         f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
         f"many evaluations. First on terrains: where the mean after {asked.evaluations[0]:,} is the least of "
-        f"all {compared} rows of these runs. "
+        f"all {len(measured)} rows of these runs. "
         f"{below}What planning takes is not in the evaluations"
     )
     rows = [row for _, row in sorted(found, key=lambda one: one[0])]
@@ -113,14 +109,9 @@ def _best_peer(measured: Mapping[str, Floats], best: Floats) -> str | None:
     excess = {
         name: float((costs[:, 0] / best[:, None]).mean())
         for name, costs in measured.items()
-        if _is_peer(name) and _has_first_budget(costs)
+        if _is_peer(name)
     }
     return min(excess, key=lambda name: excess[name], default=None)
-
-
-def _has_first_budget(costs: Floats) -> bool:
-    """Return whether a row is for the first budget, by which rows are compared."""
-    return not np.isnan(costs[:, 0]).any()
 
 
 def _is_peer(name: str) -> bool:
@@ -134,10 +125,10 @@ def _below(measured: Mapping[str, Floats], name: str, peer: str) -> Entry:
     return number(int(below.sum()), ".0f")
 
 
-def _firsts(measured: Mapping[str, Floats], name: str, budget: int) -> int:
-    """Return on how many terrains the mean cost of a row is the least."""
-    means = {other: costs[:, budget].mean(axis=1) for other, costs in measured.items()}
-    least = np.nanmin(list(means.values()), axis=0)
+def _firsts(measured: Mapping[str, Floats], name: str) -> int:
+    """Return on how many terrains the mean cost of a row after the first budget is the least."""
+    means = {other: costs[:, 0].mean(axis=1) for other, costs in measured.items()}
+    least = np.min(list(means.values()), axis=0)
     return int((means[name] <= least).sum())
 
 

@@ -86,27 +86,43 @@ def task_ground(
 
 
 def _agree_at(places: Floats, wanted: Floats, heights: Floats) -> None:
-    """Change heights beside places as little as possible, in the array, so that the ground there is right.
+    """Change heights beside two places in the array so that the ground there is right, as little as possible.
+
+    The change of least squares is W' m with W W' m = missing, where W has the weights of the nodes. It is
+    computed without BLAS, so that its last digits are those of any processor.
 
     Args:
-        places: (k, 2) columns and rows of the places, between those of nodes.
-        wanted: (k,) heights of the ground there.
+        places: (2, 2) columns and rows of the places, between those of nodes.
+        wanted: (2,) heights of the ground there.
         heights: (rows, columns) heights of the nodes.
     """
     rows, columns = heights.shape
-    corner = np.clip(np.floor(places), 0, [columns - 2, rows - 2]).astype(int)
-    share = np.clip(places - corner, 0.0, 1.0)
-    i, j = corner.T
-    x, y = share.T
-    beside = np.stack(
-        [j * columns + i, j * columns + i + 1, (j + 1) * columns + i, (j + 1) * columns + i + 1]
-    )
-    weights = np.stack([(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y])
-    nodes, numbers = np.unique(beside, return_inverse=True)
-    matrix = np.zeros((len(places), len(nodes)))
-    matrix[np.arange(len(places)), numbers.reshape(beside.shape)] = weights
-    flat = heights.reshape(-1)
-    flat[nodes] += np.linalg.lstsq(matrix, wanted - matrix @ flat[nodes])[0]
+    weights: list[dict[tuple[int, int], float]] = []  # of each node beside a place
+    missing = []
+    for (x, y), height in zip(places.tolist(), wanted.tolist(), strict=True):
+        i, j = min(max(int(x), 0), columns - 2), min(max(int(y), 0), rows - 2)
+        right, up = min(max(x - i, 0.0), 1.0), min(max(y - j, 0.0), 1.0)
+        beside = {
+            (j, i): (1.0 - right) * (1.0 - up),
+            (j, i + 1): right * (1.0 - up),
+            (j + 1, i): (1.0 - right) * up,
+            (j + 1, i + 1): right * up,
+        }
+        weights.append(beside)
+        missing.append(height - sum(weight * float(heights[node]) for node, weight in beside.items()))
+    first, second = weights
+    both = sum(weight * second.get(node, 0.0) for node, weight in first.items())
+    squares = [sum(weight * weight for weight in beside.values()) for beside in weights]
+    determinant = squares[0] * squares[1] - both * both
+    multiples = [missing[0] / squares[0], 0.0]  # for places that are nearly one
+    if determinant > 1e-9 * squares[0] * squares[1]:
+        multiples = [
+            (missing[0] * squares[1] - missing[1] * both) / determinant,
+            (missing[1] * squares[0] - missing[0] * both) / determinant,
+        ]
+    for beside, multiple in zip(weights, multiples, strict=True):
+        for node, weight in beside.items():
+            heights[node] += multiple * weight
 
 
 def is_square(elevation: Elevation) -> bool:

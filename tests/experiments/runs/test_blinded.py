@@ -39,6 +39,15 @@ def test_a_blinded_policy_decides_by_the_iteration_alone():
     assert controller.initial_population_size == seeing.initial_population_size
 
 
+def test_a_policy_blinded_for_longer_episodes_has_the_mean_inputs_of_these():
+    usual, longer = load_blinded(POLICY), load_blinded(POLICY, longer=2.0)
+    assert len(longer._courses) == 2 * len(usual._courses)
+    share = clock_columns(load_learned(POLICY))[0]
+    last = longer._courses[-1, share] / usual._courses[-1, share]
+    assert last == pytest.approx(2.0, rel=0.02)  # the iteration, counted from 0
+    assert load_blinded("terrain-shifted/0", longer=8.0).max_evaluations == 20_000
+
+
 def test_a_suite_runs_a_blinded_policy_as_another_controller():
     suite = part_of(HEADLINE, (NAME, f"learned:{POLICY}"), ("case1",), 1, baseline=f"learned:{POLICY}")
     ends = []

@@ -62,10 +62,9 @@ def test_runs_are_kept_and_better_with_more_evaluations(little_terrain, tmp_path
 
 
 def test_runs_of_several_controllers_follow_one_another(little_terrain, tmp_path):
-    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 200, 50, longer=False)
+    rule = ControlledRow("two", "firefly", "guided", ("fixed:20", "fixed:30"), 200, 50)
     costs = measure(rule, little_terrain, ASKED, tmp_path)
     assert costs.shape == (2, 6)
-    assert np.isnan(costs[0]).all()  # of a budget that it is not for
     constant = measure(ROW, little_terrain, ASKED, tmp_path)
     np.testing.assert_array_equal(costs[1, :3], constant[1])
     assert (costs[1, 3:] != constant[1]).any()
@@ -198,10 +197,7 @@ def test_tables_have_excess_over_the_best_and_count_firsts():
 def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     mine = np.array([[[10.0, 12.0]], [[40.0, 40.0]]])
     peer = np.array([[[20.0, 20.0]], [[30.0, 30.0]]])
-    absent = np.full((2, 1, 2), np.nan)
-    measured = {
-        "PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer, "absent": absent
-    }  # fmt: skip
+    measured = {"PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer}
     short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4), NONE)
     assert "that of pymoo DE, spherical, the library row" in short.caption
     assert "2 runs (4 of other libraries), of each policy where there are several, after" in short.caption
@@ -229,13 +225,9 @@ def test_a_flight_on_the_edge_of_a_threat_is_not_steady():
     assert best_known.is_steady(problem, aside)
 
 
-def test_policies_have_longer_episodes_with_larger_budgets_and_blinded_ones_have_none():
-    learned, blinded = learned_rows()[:2]
+def test_policies_have_longer_episodes_with_larger_budgets():
+    learned = learned_rows()[0]
     assert isinstance(learned, ControlledRow)
-    assert isinstance(blinded, ControlledRow)
-    assert learned.is_for(20_000)
-    assert blinded.is_for(EVALUATIONS)
-    assert not blinded.is_for(20_000)
     assert learned.iterations_of(20_000) == 8 * learned.iterations_of(EVALUATIONS) == 8 * 220
     [name, *_] = learned.controllers
     found = controller_of(learned, name, 20_000)
@@ -319,22 +311,6 @@ def test_terrains_with_equally_many_threats_stand_together_in_any_order():
     assert table([0, 1, 2, 3, 4, 5], range(6)).columns[2:4] == ("excess", "median")
 
 
-def test_rows_that_are_not_for_the_first_budget_come_last_and_have_no_place_there():
-    first = np.full((2, 2, 2), 20.0)
-    later = np.full((2, 2, 2), 15.0)
-    later[:, 0] = np.nan
-    measured = {"later, uniform": later, "pymoo DE, waypoints": 1.5 * first, "first, uniform": first}
-    measured["cmaes CMA-ES, spherical"] = later
-    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100, 200), 2, 2), NONE)
-    assert [str(row[0]) for row in short.rows] == [
-        "first, uniform", "pymoo DE, waypoints", "later, uniform", "cmaes CMA-ES, spherical"
-    ]  # fmt: skip
-    assert [str(cell) for cell in short.rows[2]][-2:] == ["–", "–"]
-    assert [str(cell) for cell in short.rows[0]][-2:] == ["2", "2"]
-    assert "that of pymoo DE, waypoints, the library row" in short.caption
-    assert "of all 2 rows of these runs" in short.caption
-
-
 def test_runs_over_a_map_of_the_user_lie_in_the_folder_itself(tmp_path, monkeypatch):
     name = "terrain-file:/maps/of the/dem.asc"
     monkeypatch.setattr(measured_costs, "make_scenario", lambda _: rolling_terrain(2))
@@ -342,18 +318,16 @@ def test_runs_over_a_map_of_the_user_lie_in_the_folder_itself(tmp_path, monkeypa
     assert {file.parent for file in tmp_path.rglob("*.json")} == {tmp_path}
 
 
-def test_controllers_without_a_rival_or_without_runs_have_no_line():
+def test_controllers_without_a_rival_have_no_line():
     blind = ControlledRow("constants", "firefly", "guided", ("fixed:20",))
     others = [
         ControlledRow("SPSFA-TIP", "differential-evolution", "guided", ("spsfa-tip",)),
-        ControlledRow("learned, blinded", "firefly", "guided", ("learned:a/0",), EVALUATIONS, longer=False),
         ControlledRow("constants", "firefly", "guided", ("fixed:20",), encoding="shifted"),
     ]
     costs = np.full((4, 1, 2), 20.0)
     table = table_of_control(
         [blind, *others],
-        {blind.name: costs, others[1].name: np.full((4, 1, 2), np.nan)}
-        | {row.name: costs for row in (others[0], others[2])},
+        {row.name: costs for row in (blind, *others)},
         {("firefly", "waypoints"): blind.name},
         Asked("metabox", (20_000,), 2, 2),
         np.full(4, 10.0),

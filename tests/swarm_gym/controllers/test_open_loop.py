@@ -51,8 +51,9 @@ def test_a_stretched_loop_decides_at_eight_times_the_iteration_as_before():
     assert decided(longer, range(0, 96, 8)) == pytest.approx(decided(loop, range(12)), rel=1e-12)
     assert decided(longer, [4])[0, 0] == pytest.approx(50.0)  # 70 members fall to 30, clipped
     assert loop.stretched(1).identity() == loop.identity() != longer.identity()
-    with pytest.raises(ValueError, match="begin with 0 and increase"):
-        loop.stretched(0.1)
+    assert list(loop.stretched(0.1).knots.iterations) == [0, 1, 2]
+    with pytest.raises(ValueError, match="knots go up to"):
+        loop.stretched(1e6)
 
 
 def test_decisions_are_interpolated_in_logarithm_and_square_root():
