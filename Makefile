@@ -18,6 +18,8 @@ EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
 # Packages that rows over terrain compare with. mealpy asks for NumPy 1.26 or older and works with newer ones.
 WITHOUT_NEEDS = mealpy==3.0.3
 EIGHT_TERRAINS = terrain:test:0-3 terrain:test:28-31
+# Terrains that no choice was made on, for what the test terrains had shown.
+FRESH_TERRAINS = terrain:validation-few:1000-1027 terrain:validation-many:1000-1027
 # Rows over terrain of 100,000 evaluations, without planned flights and with them.
 UNPLANNED = "PSO, spherical, uniform" "L-SHADE, spherical, uniform" "L-SHADE, waypoints, uniform" "L-SHADE, waypoints, smooth" "multivariate, waypoints, smooth"
 PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivariate, waypoints, guided" "CMA-ES, waypoints, guided" "L-SHADE, SPSFA-TIP, tuned, waypoints" "linear reduction, waypoints, guided" "linear reduction, shifted, guided" "L-SHADE, learned, size and phi" "L-SHADE, learned, with sources, waypoints" "planned flight"
@@ -25,7 +27,8 @@ PLANNED = "L-SHADE, waypoints, guided" "fireflies, waypoints, guided" "multivari
 LIBRARIES = "cmaes CMA-ES, spherical" "pymoo DE, waypoints" "niapy L-SHADE, waypoints" "mealpy L-SHADE, waypoints"
 # Tables over terrain share their runs. Run again, these commands make no run: they measure all tables from the
 # same best known flights, which the first pass may have improved.
-TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --keep-best --keep-libraries --runs-folder results/terrain/runs
+RUNS_OVER_TERRAIN = $(BIN)/python -m experiments.terrain --runs 31 --runs-folder results/terrain/runs
+TERRAIN = $(RUNS_OVER_TERRAIN) --keep-best --keep-libraries
 define OVER_TERRAIN
 $(TERRAIN) --evaluations 100000 --rows $(UNPLANNED) --without cmaes pymoo niapy mealpy --output results/terrain/longest
 $(TERRAIN) --evaluations 100000 --policy-runs 7 --peer-runs 1 --rows $(PLANNED) $(LIBRARIES) --without blinded --validation terrain:validation:0-7 --output results/terrain/longest-guided
@@ -208,6 +211,7 @@ docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's func
 docs-terrain: $(INSTALLED) ## run optimizers over 56 terrains, and fill docs/terrain.md and its appendices (days)
 	$(OVER_TERRAIN)
 	$(OVER_TERRAIN)
+	$(RUNS_OVER_TERRAIN) --evaluations 20000 --policy-runs 7 --rows L-SHADE --without waypoints spherical uniform --validation terrain:validation:0-7 --terrains $(FRESH_TERRAINS) --output results/terrain/fresh
 	$(BIN)/python -m experiments.terrain --cost documented --terrains $(EIGHT_TERRAINS) --without learned "blind schedule" constants shifted cmaes pymoo niapy mealpy --output results/terrain/eight
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps metaevobox==2.0.2
 	$(BIN)/python -m experiments.terrain --beside-metabox --output results/terrain/speed

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-import numpy as np
 import tyro
 
 from experiments.documents.digests import digests_of_terrain
@@ -21,7 +20,7 @@ from experiments.studies.terrain.controllers_of_terrain import rows
 from experiments.studies.terrain.measured_costs import Asked, Floats, measure_all
 from experiments.studies.terrain.rows import SIZES, AnyRow, ControlledRow, PeerRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
-from experiments.studies.terrain.tables_of_costs import tables
+from experiments.studies.terrain.tables_of_costs import best_costs, listed, tables
 from experiments.tables import Table
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
@@ -95,9 +94,10 @@ def write(config: TerrainConfig) -> list[Path]:
     if config.keep_libraries:
         library_runs.keep(used, [row.name for row in chosen if isinstance(row, PeerRow)])
     known = least_costs(config.cost, terrains)
+    best = best_costs(measured, known)
     made = [
-        *tables(measured, terrains, asked, known),
-        *_control(config, chosen, measured, asked, terrains, known, folder, used),
+        *tables(measured, terrains, asked, best),
+        *_control(config, chosen, measured, asked, terrains, best, folder, used),
     ]
     commits = commits_in(sorted(used))
     digests = digests_of_terrain(row.name for row in chosen)
@@ -123,11 +123,11 @@ def _control(
     measured: dict[str, Floats],
     asked: Asked,
     terrains: Sequence[str],
-    known: Floats,
+    best: Floats,
     folder: Path,
     used: set[Path],
 ) -> list[Table]:
-    """Return the table of controllers, if policies have rivals and their flights have a measure."""
+    """Return the table of controllers, if policies have rivals."""
     controlled = [row for row in chosen if isinstance(row, ControlledRow | Row) and row.source == "guided"]
     controlled.sort(key=lambda row: ([*SIZES].index(row.optimizer), row.encoding != "waypoints"))
     learned = {row.group for row in controlled if row.is_learned}
@@ -135,7 +135,7 @@ def _control(
     for row in controlled:
         if not row.is_learned and row.group in learned:
             groups.setdefault(row.group, []).append(row)
-    if not groups or np.isinf(known).any():
+    if not groups:
         return []
     several = [row for own in groups.values() if len(own) > 1 for row in own]  # among which one is chosen
     asked_once = asked._replace(evaluations=asked.evaluations[:1])
@@ -145,7 +145,9 @@ def _control(
         for group, own in groups.items()
     }
     threats = [len(cast(TerrainScenario, make_scenario(name)).threats) for name in terrains]
-    return [table_of_control(controlled, measured, rivals, asked, known, threats)]
+    are_tests = all(name.startswith("terrain:test:") for name in terrains)
+    words = "test terrains" if are_tests else f"terrains ({listed(terrains)})"
+    return [table_of_control(controlled, measured, rivals, asked, best, threats, words)]
 
 
 def main() -> None:

@@ -104,7 +104,11 @@ OTHERS = {
         "beside-pycma",
     ),
     "[terrain](terrain.md)": ("terrain-all", "terrain-longer", "terrain-longest", "terrain-eight"),
-    "[terrain, budgets](terrain-budgets.md)": ("terrain-longer-guided", "terrain-longest-guided"),
+    "[terrain, budgets](terrain-budgets.md)": (
+        "terrain-longer-guided",
+        "terrain-fresh",
+        "terrain-longest-guided",
+    ),
     "[wishes](planning-wishes.md)": ("driving",),
     "[planners](planners.md)": ("planners", "replanning", "streams", "curves"),
     "[other libraries](adapters.md)": ("adapters",),

@@ -29,7 +29,7 @@ TODAY: Mapping[str, Callable[[], Mapping[str, str]]] = {
     ),
     **{
         f"terrain-{part}": digests_of_terrain
-        for part in ("all", "longer", "longest", "eight", "longer-guided", "longest-guided")
+        for part in ("all", "longer", "longest", "eight", "longer-guided", "fresh", "longest-guided")
     },
 }
 

@@ -190,6 +190,7 @@ TERRAIN_BUDGETS: Mapping[str, Block] = {
         _control, f"{LONGER_GUIDED}/metabox-control", table_of_control.CONTROL_AFTER_20_000
     ),
     "longer-guided": partial(shortened, f"{LONGER_GUIDED}/metabox-in-short", COSTS_AFTER_20_000),
+    "fresh-control": partial(ResultsFolder.text, name="terrain/fresh/metabox-control.md"),
     "longest-control": partial(ResultsFolder.text, name=f"{LONGEST_GUIDED}/metabox-control.md"),
     "longest-guided": partial(shortened, f"{LONGEST_GUIDED}/metabox-in-short", COSTS_AFTER_100_000),
 }

@@ -49,6 +49,7 @@ def table_of_control(
     asked: Asked,
     best: Floats,
     threats: Sequence[int],
+    terrains: str = "test terrains",
 ) -> Table:
     """Return the table.
 
@@ -57,8 +58,9 @@ def table_of_control(
         measured: costs, (terrains, budgets, training seeds * runs), of these rows by name.
         rivals: name of the row of each group, an optimizer and an encoding, that others are compared with.
         asked: runs of each row; the controllers are compared after the first budget.
-        best: (terrains,) costs of the best known flights.
+        best: (terrains,) costs that the excess is measured from.
         threats: (terrains,) number of threats; resamples keep how many terrains have equally many.
+        terrains: words for them.
     """
     counts = sorted({*threats})
     strata = {f"excess, {count} threats": np.flatnonzero(np.equal(threats, count)) for count in counts}
@@ -91,7 +93,7 @@ def table_of_control(
     runs = asked.policy_runs or asked.runs
     caption = (
         f"Controllers with guided members after {asked.evaluations[0]:,} evaluations, cost `{asked.cost}`, "
-        f"over {len(best)} test terrains and {runs} runs of each policy. Excess over the best known flight "
+        f"over {len(best)} {terrains} and {runs} runs of each policy. Excess over the best known flight "
         f"in per cent, mean and median. Objective: 100 times the mean logarithm of the cost, minus that "
         f"of {named}, {which} with the least objective on terrains for validation [95 % interval over "
         "policies, terrains and runs]. Below 0 is a smaller cost"

@@ -53,7 +53,7 @@ COSTS_AFTER_100_000 = (*BUDGETS, PLANNED["waypoints"])
 
 
 def tables(
-    measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, known: Floats
+    measured: Mapping[str, Floats], terrains: Sequence[str], asked: Asked, best: Floats
 ) -> list[Table]:
     """Return all tables.
 
@@ -61,12 +61,20 @@ def tables(
         measured: best costs, (terrains, budgets, runs), by the name of the row.
         terrains: names of the terrains.
         asked: runs of each row.
-        known: (terrains,) costs of the best known flights. Where it is infinite, none is known, and the best
-            of these runs takes its place.
+        best: (terrains,) costs that the excess is measured from, see `best_costs`.
+    """
+    return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
+
+
+def best_costs(measured: Mapping[str, Floats], known: Floats) -> Floats:
+    """Return the (terrains,) costs of the best known flights, or of the best runs where none is known.
+
+    Args:
+        measured: best costs, (terrains, budgets, runs), by the name of the row.
+        known: (terrains,) costs of the best known flights; infinite where none is known.
     """
     found = np.min([costs.min(axis=(1, 2)) for costs in measured.values()], axis=0)
-    best = np.where(np.isfinite(known), known, found)
-    return [_in_short(measured, terrains, asked, best), _by_terrain(measured, terrains, asked, best)]
+    return np.where(np.isfinite(known), known, found)
 
 
 def excess_of(costs: Floats, best: Floats) -> Floats:
@@ -95,7 +103,7 @@ def _in_short(measured: Mapping[str, Floats], terrains: Sequence[str], asked: As
         )
     caption = (
         f"Excess of the cost `{asked.cost}` over the best known flight, in per cent: mean and median over "
-        f"{len(terrains)} terrains ({_listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
+        f"{len(terrains)} terrains ({listed(terrains)}) and {asked.in_words(peers=bool(peer))}, after so "
         f"many evaluations. First on terrains: where the mean after {asked.evaluations[0]:,} is the least of "
         f"all {len(measured)} rows of these runs. "
         f"{below}What planning takes is not in the evaluations"
@@ -148,7 +156,7 @@ def _by_terrain(measured: Mapping[str, Floats], terrains: Sequence[str], asked: 
     return Table.of(f"{asked.cost}-by-terrain", caption, rows)
 
 
-def _listed(terrains: Sequence[str]) -> str:
+def listed(terrains: Sequence[str]) -> str:
     """Return the names of terrains, those with consecutive numbers as the first and the last of them."""
     if len(terrains) <= 8:
         return ", ".join(terrains)

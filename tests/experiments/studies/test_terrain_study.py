@@ -22,7 +22,7 @@ from experiments.studies.terrain.controllers_of_terrain import (
 from experiments.studies.terrain.measured_costs import Asked, measure
 from experiments.studies.terrain.rows import PEERS, PLANNED, SIZES, ControlledRow, PeerRow, PlannedRow, Row
 from experiments.studies.terrain.table_of_control import objective, table_of_control
-from experiments.studies.terrain.tables_of_costs import tables
+from experiments.studies.terrain.tables_of_costs import best_costs, tables
 from helpers.terrains import rolling_terrain
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import TerrainProblem
@@ -177,19 +177,20 @@ def test_tables_have_excess_over_the_best_and_count_firsts():
     one = np.array([[[10.0, 12.0], [10.0, 10.0]], [[40.0, 40.0], [30.0, 20.0]]])
     other = np.array([[[20.0, 20.0], [20.0, 20.0]], [[30.0, 30.0], [25.0, 25.0]]])
     asked = Asked("metabox", (100, 200), 2, 2)
-    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, NONE)
+    measured = {"PSO, one": one, EVEN: other}
+    short, by_terrain = tables(measured, ["a", "b"], asked, best_costs(measured, NONE))
     found = {str(row[0]): [cell.numbers["value"] for cell in row[1:6]] for row in short.rows}
     assert found["PSO, one"] == pytest.approx([55.0, 60.0, 12.5, 0.0, 1])
     assert found[EVEN] == pytest.approx([75.0, 75.0, 62.5, 62.5, 1])
     assert [str(row[0]) for row in short.rows] == ["PSO, one", EVEN]
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [10.0, 20.0]
-    known = np.array([5.0, np.inf])
-    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, known)
+    best = best_costs(measured, np.array([5.0, np.inf]))
+    short, by_terrain = tables(measured, ["a", "b"], asked, best)
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 20.0]
     assert short.rows[0][1].numbers["value"] == pytest.approx(110.0)
     # A cheaper flight of the runs is no known one: it was refused, or waits for `--keep-best`.
-    known = np.array([5.0, 80.0])
-    short, by_terrain = tables({"PSO, one": one, EVEN: other}, ["a", "b"], asked, known)
+    best = best_costs(measured, np.array([5.0, 80.0]))
+    short, by_terrain = tables(measured, ["a", "b"], asked, best)
     assert [row[1].numbers["value"] for row in by_terrain.rows] == [5.0, 80.0]
     assert short.rows[0][1].numbers["value"] == pytest.approx((120.0 - 50.0) / 2.0)
 
@@ -198,10 +199,11 @@ def test_the_best_peer_is_named_and_rows_are_counted_against_it():
     mine = np.array([[[10.0, 12.0]], [[40.0, 40.0]]])
     peer = np.array([[[20.0, 20.0]], [[30.0, 30.0]]])
     measured = {"PSO, one": mine, "pymoo DE, spherical": peer, "niapy PSO, spherical": 9.0 * peer}
-    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4), NONE)
+    best = best_costs(measured, NONE)
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4), best)
     assert "that of pymoo DE, spherical, the library row" in short.caption
     assert "2 runs (4 of other libraries), of each policy where there are several, after" in short.caption
-    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4, 1), NONE)
+    short, _ = tables(measured, ["a", "b"], Asked("metabox", (100,), 2, 4, 1), best)
     assert "2 runs (1 of each policy, 4 of other libraries), after" in short.caption
     found = {str(row[0]): row[-1].numbers["value"] for row in short.rows}
     assert found == {"PSO, one": 1, "pymoo DE, spherical": 0, "niapy PSO, spherical": 0}
@@ -448,8 +450,7 @@ def test_tables_share_runs_and_know_the_commits_of_their_own(little_terrain, tmp
     assert again.commits.keys() == {*both.commits, "f" * 10}
 
 
-def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "least_costs", lambda cost, terrains: np.ones(len(terrains)))
+def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tmp_path):
     config = command.TerrainConfig(
         output=tmp_path,
         terrains=(little_terrain,) * 2,
@@ -473,8 +474,7 @@ def test_the_command_compares_policies_with_their_blind_rival(little_terrain, tm
     ]
 
 
-def test_a_single_blind_row_is_the_rival_without_runs_for_validation(little_terrain, tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "least_costs", lambda cost, terrains: np.ones(len(terrains)))
+def test_a_single_blind_row_is_the_rival_without_runs_for_validation(little_terrain, tmp_path):
     config = command.TerrainConfig(
         output=tmp_path,
         terrains=(little_terrain,) * 2,
@@ -485,5 +485,7 @@ def test_a_single_blind_row_is_the_rival_without_runs_for_validation(little_terr
         rows=(ROW.name, "fireflies, learned, with sources"),
     )
     [*_, control] = command.write(config)
-    assert "fireflies, learned, with sources" in control.read_text(encoding="utf-8")
+    text = " ".join(control.read_text(encoding="utf-8").split())
+    assert "fireflies, learned, with sources" in text
+    assert "over 2 terrains (little, little) and 1 runs of each policy" in text
     assert not [file.name for file in (tmp_path / "runs").iterdir() if "validation" in file.name]
