@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
+import numpy as np
 import tyro
 
 from experiments.documents.digests import digests_of_terrain
@@ -94,10 +95,9 @@ def write(config: TerrainConfig) -> list[Path]:
     if config.keep_libraries:
         library_runs.keep(used, [row.name for row in chosen if isinstance(row, PeerRow)])
     known = least_costs(config.cost, terrains)
-    best = best_costs(measured, known)
     made = [
-        *tables(measured, terrains, asked, best),
-        *_control(config, chosen, measured, asked, terrains, best, folder, used),
+        *tables(measured, terrains, asked, best_costs(measured, known)),
+        *_control(config, chosen, measured, asked, terrains, known, folder, used),
     ]
     commits = commits_in(sorted(used))
     digests = digests_of_terrain(row.name for row in chosen)
@@ -123,7 +123,7 @@ def _control(
     measured: dict[str, Floats],
     asked: Asked,
     terrains: Sequence[str],
-    best: Floats,
+    known: Floats,
     folder: Path,
     used: set[Path],
 ) -> list[Table]:
@@ -147,6 +147,9 @@ def _control(
     threats = [len(cast(TerrainScenario, make_scenario(name)).threats) for name in terrains]
     are_tests = all(name.startswith("terrain:test:") for name in terrains)
     words = "test terrains" if are_tests else f"terrains ({listed(terrains)})"
+    if np.isinf(known).all():
+        words += ", whose best known flights are those of these runs,"
+    best = best_costs(measured, known)
     return [table_of_control(controlled, measured, rivals, asked, best, threats, words)]
 
 

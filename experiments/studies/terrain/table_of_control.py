@@ -29,10 +29,10 @@ IN_SHORT = (
 
 # Rows of docs/terrain-budgets.md after 20,000 evaluations; its appendix has all.
 CONTROL_AFTER_20_000 = (
-    "L-SHADE, linear reduction", "L-SHADE, SPSFA-TIP, tuned", "L-SHADE, learned, size and phi",
-    "L-SHADE, learned, with sources",
+    "L-SHADE, linear reduction", "L-SHADE, SPSFA-TIP, tuned", "L-SHADE, learned, with sources",
     "L-SHADE, linear reduction, shifted", "L-SHADE, SPSFA-TIP, tuned, shifted",
     "L-SHADE, blind schedule, with sources, shifted", "L-SHADE, learned, with sources, shifted",
+    "L-SHADE, learned, blinded, with sources, shifted",
     "fireflies, constants, with sources", "fireflies, learned, with sources",
 )  # fmt: skip
 

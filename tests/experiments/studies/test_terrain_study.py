@@ -487,5 +487,5 @@ def test_a_single_blind_row_is_the_rival_without_runs_for_validation(little_terr
     [*_, control] = command.write(config)
     text = " ".join(control.read_text(encoding="utf-8").split())
     assert "fireflies, learned, with sources" in text
-    assert "over 2 terrains (little, little) and 1 runs of each policy" in text
+    assert "over 2 terrains (little, little), whose best known flights are those of these runs, and 1" in text
     assert not [file.name for file in (tmp_path / "runs").iterdir() if "validation" in file.name]
