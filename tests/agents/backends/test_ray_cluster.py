@@ -25,6 +25,7 @@ from helpers.own_files import write_own_files
 from helpers.small_commands import CONTROLLERS, IMITATION, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
+from swarm_gym import own_code
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.training.run import TrainingRun
 
@@ -134,6 +135,7 @@ def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkey
 
 
 def test_workers_get_the_own_code_that_a_command_names(tmp_path, cluster, monkeypatch):
+    monkeypatch.setattr(own_code, "_used", {*own_code._used})  # later tests do not need the files
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     write_own_files(tmp_path)

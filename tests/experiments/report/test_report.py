@@ -459,7 +459,9 @@ def test_a_recording_of_one_frame_can_be_packed():
 @pytest.mark.slow
 def test_where_an_optimum_is_not_known_nothing_is_said_of_gaps(database, monkeypatch):
     assert {"gaps", "front"} <= page_of(database).tables.keys()
-    monkeypatch.setattr("experiments.runs.outcomes.known_optimum", lambda _: np.nan)
+    monkeypatch.setattr(
+        "experiments.runs.outcomes.optima_of", lambda scenarios, _: np.full(len(scenarios), np.nan)
+    )
     page = page_of(database, figures=True)
     assert page.tables.keys().isdisjoint({"gaps", "front"})
     assert "Tables and figures of optimality gaps are left out: gaps need the optimum" in page.text
