@@ -22,6 +22,7 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import Circle, Polygon, Scenario
 
 OFFSETS = (0j, 0j, 400_000 + 5_000_000j, 1e7 + 1e7j, -72_123 + 33j)
+CLOSED = 1e-13  # gap over extent that counts as closed
 FARTHEST = 1e6  # offset over extent: rounded coordinates are a hundred times finer than 1e-9 of the extent
 TURNS = (1 + 0j, 1 + 0j, 1j, -1 + 0j)
 PYTHAGOREAN = (3 + 4j, -4 + 3j, 5 - 12j, 8 + 15j)  # of whole length, so that turned discs are exact
@@ -84,12 +85,16 @@ class Scene:
 
     @cached_property
     def blocked(self):
-        """The grown obstacles, with the very coordinates that planners get, moved by the offset."""
+        """The grown obstacles, with the very coordinates that planners get, moved by the offset.
+
+        Gaps of a last digit count as closed: rounded coordinates are united on a fine grid.
+        """
         placed = [shapely.transform(one, lambda p: self.local(self.place(p))) for one in self.polygons]
         discs = self.discs * self.scale
         if len(discs):
             discs[:, :2] = self.local(self.place(self.discs[:, :2]))
-        return Blocked(shapely.union_all(placed), discs, self.radius)
+        grid = None if self.exact else CLOSED * 2.0 * SIZE * self.scale
+        return Blocked(shapely.union_all(placed, grid_size=grid), discs, self.radius)
 
     def place(self, points):
         """Return map coordinates, (k, 2), of points of the lattice."""
