@@ -117,15 +117,13 @@ def load_blinded(policy: str, limits: SizeLimits | None = None, longer: float = 
     Raises:
         PolicyFileError: if the file is missing, damaged or made for something else.
     """
-    trained = load_learned(policy, limits)
-    training = stored_config(trained.manifest)
-    clocks = clock_columns(trained)
+    controller = load_learned(policy, limits).stretched(longer)
+    training = stored_config(controller.manifest)
+    clocks = clock_columns(controller)
     options: dict[str, Any] = dict(training.env_options())
     options["iterations"] = round(longer * options["iterations"])
-    controller = copy.copy(trained.stretched(longer))
-    if controller.max_evaluations is not None:
-        controller.max_evaluations = round(longer * controller.max_evaluations)
-        options["max_evaluations"] = controller.max_evaluations
+    if options["max_evaluations"] is not None:
+        options["max_evaluations"] = round(longer * options["max_evaluations"])
 
     def courses() -> Floats:
         watched = watch(

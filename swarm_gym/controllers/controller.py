@@ -3,9 +3,10 @@
 It also has the checks of controllers: the trial of own ones, and whether one fits episodes of another.
 """
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TypedDict, cast
+from typing import Self, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,13 +90,18 @@ class Controller(ABC):
             Lists, tuples, dictionaries by name, texts, numbers and None, which JSON can hold.
         """
 
-    def stretched(self, factor: float) -> "Controller":  # noqa: ARG002 (of controllers with knots)
-        """Return this controller for episodes of so many times the iterations; knots of open loops move.
+    def stretched(self, factor: float) -> Self:
+        """Return this controller for episodes of so many times the iterations and evaluations.
+
+        An evaluation budget that it needs grows, and knots of open loops move.
 
         Args:
             factor: number of iterations of an episode, relative to the one that it was made for.
         """
-        return self
+        other = copy.copy(self)
+        if self.max_evaluations is not None:
+            other.max_evaluations = round(factor * self.max_evaluations)
+        return other
 
     def env_options(self) -> NeededOptions:
         """Return the options that the environment of this controller needs."""

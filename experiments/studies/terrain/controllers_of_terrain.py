@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from agents.evaluation.masking import load_blinded
-from experiments.studies.controllers import with_budget
 from experiments.studies.terrain.rows import (
     PLANNED,
     AnyRow,
@@ -114,8 +113,7 @@ def controller_of(row: ControlledRow, name: str, evaluations: int) -> Controller
     longer = row.iterations_of(evaluations) / row.iterations if row.iterations else 1.0
     if parts.family == BLINDED:
         return load_blinded(parts.argument, longer=longer)
-    made = with_budget(_by_name(row, name), evaluations)
-    return made if longer == 1.0 else made.stretched(longer)
+    return _by_name(row, name).stretched(longer)
 
 
 def _by_name(row: ControlledRow, name: str) -> Controller:

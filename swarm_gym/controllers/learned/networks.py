@@ -4,9 +4,9 @@ A policy's manifest names its kind of network, a key of `NETWORKS`. Sums run alo
 a decision does not depend on how many swarms are decided for at once.
 """
 
-import copy
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,17 +98,16 @@ class FeedforwardController(Controller):
         if self._base is not None:
             self._base.controller.reset(num_swarms, seed)
 
-    def stretched(self, factor: float) -> "FeedforwardController":
+    def stretched(self, factor: float) -> Self:
         """Return the policy with a base that is stretched; what it observes of the iteration is a share.
 
         Args:
             factor: number of iterations of an episode, relative to the one of its training.
         """
-        if self._base is None:
-            return self
-        other = copy.copy(self)
-        other._base = self._base.stretched(factor)
-        other.corrects = other._base.controller
+        other = super().stretched(factor)
+        if self._base is not None:
+            other._base = self._base.stretched(factor)
+            other.corrects = other._base.controller
         return other
 
     def identity(self) -> object:

@@ -63,7 +63,7 @@ class FlightSearch:
         """
         try:
             while True:
-                if self.improvements and time.monotonic() >= limit:
+                if self._is_over(limit):
                     return False
                 self._run(limit)
                 if (
@@ -87,7 +87,7 @@ class FlightSearch:
                 **self._options,
             )
             self._keep_ways(self._environments[count], limit)
-        if self.improvements and time.monotonic() >= limit:
+        if self._is_over(limit):
             return  # the time was spent on planning ways
         env = self._environments[count]
         self._controller.reset(1, self._seed)
@@ -105,6 +105,10 @@ class FlightSearch:
                 self._keep_best(env)
         self._keep_best(env)
 
+    def _is_over(self, limit: float) -> bool:
+        """Return whether there is a flight, and the time of the clock has come."""
+        return bool(self.improvements) and time.monotonic() >= limit
+
     def least_climb(self) -> float:
         """Return the smallest angle of climb in degrees that a route so far needs, or infinity."""
         return min((least_climb(self._task, route) for route in self._refused), default=math.inf)
@@ -115,7 +119,7 @@ class FlightSearch:
         assert isinstance(problem, TerrainProblem)
         assert problem.ways is not None
         for way in problem.points(problem.ways):
-            if self.improvements and time.monotonic() >= limit:
+            if self._is_over(limit):
                 return
             self._keep(way, "coarse graph")
 
