@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from experiments.studies.libraries import installed
 
-# Population sizes, as published where papers have one; CMA-ES nearly its default for 20 components, 12.
+# Population sizes, as published where papers have one. The default of CMA-ES is 12 with 20 components.
 SIZES = {"particle-swarm": 50, "differential-evolution": 60, "cma-es": 13, "firefly": 20, "multivariate": 20}
 NAMES = {
     "particle-swarm": "PSO",
