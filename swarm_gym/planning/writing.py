@@ -1,7 +1,7 @@
 """Files with a path: CSV, GeoJSON, ROS's nav_msgs/Path as YAML, or a picture, by the ending of the name."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -115,21 +115,19 @@ def format_of(path: Path, formats: Mapping[str, Made]) -> Made:
     return formats[path.suffix]
 
 
-def require_writable(
-    paths: Iterable[Path], formats: Mapping[str, object], extra: str, read: Iterable[object] = ()
-) -> None:
-    """Raise an error unless files of these names can be written.
+def checked(
+    paths: Iterable[Path], formats: Mapping[str, object], read: Iterable[object] = ()
+) -> Iterator[Path]:
+    """Yield each name of a file that can be written, so that the caller can check more of it.
 
     Args:
         paths: files to write.
         formats: function that makes the content of a file, by the ending of its name.
-        extra: extra of the package that has Pillow, which a PNG needs.
         read: the map and other inputs of the plan; those that are paths of files must stay.
 
     Raises:
         SettingError: for an ending that is not in `formats`, a folder, a name below a file or given twice, or
             a file that is read.
-        MissingExtraError: for a PNG, if Pillow is missing.
     """
     kept = {Path(one).resolve() for one in read if isinstance(one, str | Path) and Path(one).is_file()}
     seen = set()
@@ -142,8 +140,7 @@ def require_writable(
             raise SettingError(f"output {str(path)!r}: {str(above)!r} is a file, no folder for it")
         if path.resolve() in kept:
             raise SettingError(f"output {str(path)!r}: it is read to plan with; name another file")
-        if path.suffix == ".png" and find_spec("PIL") is None:
-            raise MissingExtraError(f"output {str(path)!r}", "Pillow", extra)
+        yield path
         if path in seen:
             raise SettingError(f"output {str(path)!r}: given twice; name each file once")
         seen.add(path)
@@ -161,7 +158,9 @@ def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
             a file that is read.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    require_writable(paths, FORMATS, "maps", read)
+    for path in checked(paths, FORMATS, read):
+        if path.suffix == ".png" and find_spec("PIL") is None:
+            raise MissingExtraError(f"output {str(path)!r}", "Pillow", "maps")
 
 
 def write_plan(plan: Plan, *paths: Path) -> list[Path]:

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
@@ -10,10 +11,10 @@ from xml.sax.saxutils import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import SettingError
+from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.planning.flights.picture import as_page, as_png
 from swarm_gym.planning.flights.result import Flight
-from swarm_gym.planning.writing import format_of, require_writable, write_all
+from swarm_gym.planning.writing import checked, format_of, write_all
 from swarm_gym.scenarios.formats.elevation import NAME_SYSTEM
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
@@ -160,7 +161,9 @@ def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
             a file that is read.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    require_writable(paths, FORMATS, "terrain", read)
+    for path in checked(paths, FORMATS, read):
+        if path.suffix == ".png" and find_spec("PIL") is None:
+            raise MissingExtraError(f"output {str(path)!r}", "Pillow", "terrain")
 
 
 def require_places(paths: Iterable[Path], task: Survey) -> None:
