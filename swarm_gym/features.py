@@ -41,6 +41,7 @@ TOLD_APART = (
 )  # fmt: skip
 # Name of a feature, and of what an optimizer counts for it (`Optimizer.counts`).
 RESTARTS_SO_FAR, RESTARTS_COUNTED = "restarts in this episode", "restarts"
+SHARE_SPENT = "share of the evaluation budget spent"
 NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad _one, or of none
 
 
@@ -312,7 +313,7 @@ RICH = (
         lambda _: 4.0,
     ),
     Feature("log(1 + diversity) / 8", _log_scaled(DIVERSITY), _log_extent),
-    Feature("share of the evaluation budget spent", spent_share, _one),
+    Feature(SHARE_SPENT, spent_share, _one),
 )
 PRICED = (
     *RICH,

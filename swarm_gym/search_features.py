@@ -12,7 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.elementary import log, log1p, power
-from swarm_gym.features import LOG_TEN, RESTARTS, SCALED, Feature, log_size, spent_share
+from swarm_gym.features import (
+    LOG_TEN,
+    RESTARTS,
+    SCALED,
+    SHARE_SPENT,
+    Feature,
+    log_size,
+    spent_share,
+)
 from swarm_gym.history import COLUMN
 from swarm_gym.optimizers.cma_es import state as cma
 from swarm_gym.optimizers.cma_es.cma_es import CmaEs
@@ -33,7 +41,6 @@ LONGEST_WAIT = 63  # generations since the best improved; longer ones are seen a
 STEP_DECADES = 6.0  # decades of the step size, relative to the first one, that a 1 stands for
 # Names of the features by which the rule `early-restarts` decides.
 LOG_STEP = "log10(step size / first step size) / 6"
-SPENT = "share of the evaluation budget spent"
 WAIT = f"log(1 + generations since the best improved), relative to that of {LONGEST_WAIT}"
 
 
@@ -201,7 +208,7 @@ SEARCH = (
         -1.0,
     ),
     _feature(WAIT, _wait),
-    _feature(SPENT, spent_share),
+    _feature(SHARE_SPENT, spent_share),
     _feature("log population size, relative to that of the largest", log_size),
     _feature("mean scale factor in the memory", _of_evolution(MEAN_FACTOR)),
     _feature("mean crossover rate in the memory", _of_evolution(MEAN_CROSSOVER)),

@@ -22,6 +22,7 @@ EXAMPLES = {
     "spsfa": "spsfa:growth=500",
     "spsfa-tip": "spsfa-tip:growth=500,decay=0.1",
     "linear-reduction": "linear-reduction:start=120",
+    "lpsr": "lpsr:start=120",
     "nlpsr": "nlpsr:start=120",
     "open-loop": "open-loop:three-cases",
     "reacting-loop": "reacting-loop:dynamic-reacting/0@1",

@@ -21,10 +21,10 @@ from swarm_gym.compiler.elementary import log
 from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import Rule, column
-from swarm_gym.features import LOG_TEN, RESTARTS_SO_FAR
+from swarm_gym.features import LOG_TEN, RESTARTS_SO_FAR, SHARE_SPENT
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers.cma_es.cma_es import CmaEs
-from swarm_gym.search_features import LOG_STEP, LONGEST_WAIT, SPENT, STEP_DECADES, WAIT, scaled_wait
+from swarm_gym.search_features import LOG_STEP, LONGEST_WAIT, STEP_DECADES, WAIT, scaled_wait
 
 _NO_RESTART = CmaEs.decided_parameters()["restart"].default
 _RESTART = 1.0
@@ -66,7 +66,7 @@ class EarlyRestarts(Rule):
         """Return (B, 4) next sizes, phi, factors of the step size, which are 1, and restarts."""
         wait, step, spent, restarts = (
             observations[:, column(self.observation, name)].astype(np.float64)
-            for name in (WAIT, LOG_STEP, SPENT, RESTARTS_SO_FAR)
+            for name in (WAIT, LOG_STEP, SHARE_SPENT, RESTARTS_SO_FAR)
         )
         begins = observations[:, ITERATION] == 0
         small = step <= float(log(self.step)) / (STEP_DECADES * LOG_TEN)

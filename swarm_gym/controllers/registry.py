@@ -26,6 +26,7 @@ from swarm_gym.controllers.reacting_loop import load_reacting_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import (
     DiversityLadder,
+    EvaluationReduction,
     IncreasingSize,
     LinearReduction,
     NonLinearReduction,
@@ -189,6 +190,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "linear-reduction": LinearReduction.from_argument,
+    "lpsr": EvaluationReduction.from_argument,
     "nlpsr": NonLinearReduction.from_argument,
     "diversity-ladder": DiversityLadder.from_argument,
     "status-monitor": StatusMonitor.from_argument,

@@ -2,7 +2,8 @@
 
 They were published for certain optimizers and decide the population size alone. Here phi is a constant of
 each rule; with phi = 0, a rule is as it was published. Which members join or leave a population is the
-environment's rule. The share of the iterations done stands for the share of the evaluations spent.
+environment's rule. The share of the iterations done stands for the share of the evaluations spent, but in
+`EvaluationReduction`.
 """
 
 from abc import abstractmethod
@@ -17,7 +18,7 @@ from swarm_gym.compiler.elementary import expm1, power
 from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
-from swarm_gym.features import RESTARTS_SO_FAR
+from swarm_gym.features import RESTARTS_SO_FAR, SHARE_SPENT
 from swarm_gym.observation import ITERATION
 
 DIVERSITY = "log(1 + diversity) / 8"
@@ -58,7 +59,8 @@ class LinearReduction(SizeRule):
     """A size that falls from `start` to `smallest` in proportion to the iterations done.
 
     Source: R. Tanabe, A. S. Fukunaga, "Improving the search performance of SHADE using linear population size
-    reduction", IEEE CEC 2014 (L-SHADE). There the size falls with the share of the evaluations spent.
+    reduction", IEEE CEC 2014 (L-SHADE). There the size falls with the share of the evaluations spent, as in
+    `EvaluationReduction`.
     """
 
     observation: str = "scaled"
@@ -68,12 +70,31 @@ class LinearReduction(SizeRule):
 
     @staticmethod
     def fall(share: Floats) -> Floats:
-        """Return the share of the fall from `start` to `smallest`, by the share of the iterations done."""
+        """Return the share of the fall from `start` to `smallest`, by the share of what is done."""
         return share
 
     def _share_done(self, observations: Floats) -> Floats:
         # The observation is in single precision: rounding restores the share, so that halves round correctly.
         return np.round(observations[:, column(self.observation, SHARE_DONE)], 6)
+
+
+@dataclass
+class EvaluationReduction(LinearReduction):
+    """A size that falls from `start` to `smallest` in proportion to the evaluations spent (LPSR).
+
+    Later iterations have fewer members and spend fewer evaluations, so the size falls ever more slowly. Let
+    an episode have as many iterations as evaluations, so that the budget ends it. Without a budget of
+    evaluations, the size falls with the iterations.
+
+    Source: see `LinearReduction`.
+    """
+
+    observation: str = "rich"
+
+    def _share_done(self, observations: Floats) -> Floats:
+        spent = np.round(observations[:, column(self.observation, SHARE_SPENT)], 6)
+        # The first population has spent some of a budget.
+        return np.where(spent > 0.0, spent, super()._share_done(observations))
 
 
 @dataclass

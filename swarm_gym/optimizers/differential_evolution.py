@@ -4,7 +4,7 @@ Source: R. Tanabe, A. S. Fukunaga, "Improving the search performance of SHADE us
 reduction", IEEE CEC 2014; mutation and archive come from J. Zhang, A. C. Sanderson, "JADE: adaptive
 differential evolution with optional external archive", IEEE Transactions on Evolutionary Computation 13(5),
 2009. The population size is decided from outside: the linear reduction of the paper is the controller
-`linear-reduction`, and `nlpsr` is a later one. Readings are listed in docs/readings.md.
+`lpsr`, and `nlpsr` is a later one. Readings are listed in docs/readings.md.
 
 A generation makes one trial of each member. The scale factor F of a trial comes from a Cauchy distribution,
 and its crossover rate CR from a normal one. Both are around an entry of the memory. Factors and rates of the

@@ -73,6 +73,9 @@ _REPAIR = {"repair_degree": Span(0.0, 1.0, logarithmic=False)}
 LINEAR_REDUCTION = ParameterSpace(
     "linear-reduction", {"start": 100, "smallest": 10, "repair_degree": 0.0}, {**_SIZES, **_REPAIR}
 )
+EVALUATION_REDUCTION = ParameterSpace(
+    "lpsr", {"start": 100, "smallest": 10, "repair_degree": 0.0}, {**_SIZES, **_REPAIR}
+)
 NON_LINEAR_REDUCTION = ParameterSpace(
     "nlpsr", {"start": 100, "smallest": 10, "repair_degree": 0.0}, {**_SIZES, **_REPAIR}
 )

@@ -12,6 +12,7 @@ from swarm_gym.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
 from swarm_gym.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
     EARLY_RESTARTS,
+    EVALUATION_REDUCTION,
     LINEAR_REDUCTION,
     NON_LINEAR_REDUCTION,
     PERIODIC,
@@ -62,6 +63,7 @@ TUNERS: dict[str, ControllerKind] = {
     "constant": ControllerKind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
     "schedule": _parameters(SCHEDULE),
     "linear-reduction": _parameters(LINEAR_REDUCTION),
+    "lpsr": _parameters(EVALUATION_REDUCTION),
     "nlpsr": _parameters(NON_LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
     "early-restarts": _parameters(EARLY_RESTARTS, optimizer="cma-es"),

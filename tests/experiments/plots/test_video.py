@@ -81,7 +81,7 @@ def test_when_filming_fails_no_file_is_left(tmp_path, monkeypatch):
         ({"fps": 0}, SettingError, r"fps must lie in \[1, 50\], got 0"),
         ({"seed": -1}, SettingError, "seed must lie in .*, got -1"),
         ({"iterations": 0}, SettingError, "iterations must lie in .*, got 0"),
-        ({"controller": "nobody"}, UnknownNameError, "unknown controller 'nobody'; valid: .*28 in all"),
+        ({"controller": "nobody"}, UnknownNameError, "unknown controller 'nobody'; valid: .*29 in all"),
         ({"controller": "fixed:none"}, ValueError, "expected a population size"),
         ({"scenario": "nowhere"}, UnknownNameError, "unknown scenario 'nowhere'; valid: .*docs/scenarios.md"),
     ],

@@ -35,6 +35,7 @@ ARGUMENTS = {
     "open-loop": packaged_open_loops(),
     "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
     "linear-reduction": ["", "start=120,smallest=20"],
+    "lpsr": ["", "start=120,smallest=20"],
     "nlpsr": ["", "start=120,smallest=20"],
     "bipop": ["", "start=6,factor=3"],
     "ipop": ["", "start=6,factor=1.5,repair_degree=0.2"],
@@ -235,8 +236,8 @@ def test_controllers_that_decide_differently_have_different_identities():
     names = [
         "fixed:60", "fixed:61", "fixed:60,smooth_share=1", "random", "spsfa", "spsfa-tip",
         "spsfa-tip:decay=0.5",
-        "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2", "nlpsr",
-        "diversity-ladder", "status-monitor",
+        "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2",
+        "lpsr", "nlpsr", "diversity-ladder", "status-monitor",
         "ipop", "ipop:factor=3", "bipop", "psa", "psa:threshold=2",
         "early-restarts", "early-restarts:later=9", "early-restarts:wait=9",
         "restart", "restart:patience=3", "periodic", "reaction",

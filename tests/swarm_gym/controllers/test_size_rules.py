@@ -12,7 +12,7 @@ from swarm_gym.controllers.size_rules import DIVERSITY
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 
-FAMILIES = ["linear-reduction", "nlpsr", "diversity-ladder", "status-monitor"]
+FAMILIES = ["linear-reduction", "lpsr", "nlpsr", "diversity-ladder", "status-monitor"]
 ITERATIONS = 40
 
 
@@ -42,6 +42,30 @@ def test_linear_reduction_falls_from_start_to_smallest_with_the_iterations(start
         expected.append((2 * (start * ITERATIONS + (smallest - start) * iteration) + ITERATIONS)
                         // (2 * ITERATIONS))  # fmt: skip
     assert sizes == expected
+
+
+@pytest.mark.parametrize("optimizer", ["particle-swarm", "differential-evolution"])
+def test_published_reduction_falls_with_the_evaluations(optimizer):
+    controller = make_controller("lpsr:start=50,smallest=4")
+    options = {"scenario": "case3", "iterations": 900, "max_evaluations": 900, **controller.env_options()}
+    env = SwarmEnv(optimizer, **options)
+    controller.reset(1)
+    observation, info = env.reset(seed=3)
+    ended, sizes, expected = False, [], []
+    while not ended:
+        spent = info["evaluations"]
+        expected.append(math.floor(50 - 46 * spent / 900 + 0.5) if sizes else 50)
+        action = controller.act(observation[None])[0]
+        sizes.append(int(action[0]))
+        observation, _, ended, _, info = env.step(action)
+    assert sizes == expected
+    assert info["evaluations"] == 900
+    assert sizes[-1] <= 5
+
+
+def test_published_reduction_falls_with_the_iterations_without_a_budget():
+    sizes, _, _ = sizes_and_swarms("lpsr:start=30,smallest=5")
+    assert sizes == sizes_and_swarms("linear-reduction:start=30,smallest=5")[0]
 
 
 @pytest.mark.parametrize(("start", "smallest"), [(30, 5), (12, 12), (50, 4)])
