@@ -37,6 +37,7 @@ from swarm_gym.controllers.distilled import (
     save_rule,
 )
 from swarm_gym.controllers.names import ControllerName
+from swarm_gym.outputs import files_named, require_outputs
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import ANALYSIS, VALIDATION, training_seed
 from swarm_gym.training.config import EnvOptions, TrainConfig, stored_config
@@ -131,6 +132,7 @@ def run_distillation(config: DistilConfig) -> tuple[DistilledRule, dict[str, Sco
     Returns:
         The rule, and scores of the policy, the rule and the controller `RIVAL` by name.
     """
+    require_outputs([config.output], files_named(config.policy))
     policy = make_controller(config.policy)
     manifest = getattr(policy, "manifest", {})
     if not manifest.get("config"):

@@ -24,6 +24,7 @@ from swarm_gym.controllers.learned.manifest import CHOICES, LSTM
 from swarm_gym.controllers.learned.policy_file import Weights, load_policy, resolve
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
+from swarm_gym.outputs import require_outputs
 
 if TYPE_CHECKING:
     from onnx import ModelProto
@@ -98,9 +99,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="file to write, e.g. policy.onnx")
     options = parser.parse_args(arguments)
     with command(MissingExtraError):
-        model = to_onnx(*load_policy(resolve(options.policy)))
+        policy = resolve(options.policy)
+        require_outputs([options.output], [policy])
+        model = to_onnx(*load_policy(policy))
         write_atomically(options.output, model.SerializeToString())
-    print(f"wrote {options.output}")
+        print(f"wrote {options.output}")
 
 
 def _affine(helper: Any, entry: str, layer: str, result: str) -> Any:

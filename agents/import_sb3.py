@@ -36,6 +36,7 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS, make_observation
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.outputs import require_outputs
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.sb3 import SIGNATURE
 from swarm_gym.settings import Settings
@@ -87,8 +88,10 @@ def import_sb3(options: ImportOptions) -> None:
     Raises:
         PolicyFileError: if the zip is unreadable, too large or of another network, or the options do not
             fit it.
+        SettingError: if the output cannot be written, or is the zip.
     """
     path = options.zip
+    require_outputs([options.output], [path])
     data, content = _members(path)
     _require_tanh(path, data)
     weights = _actor(path, _read_state(path, content, options.trust_pickle))

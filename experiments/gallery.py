@@ -4,6 +4,7 @@ Rows are the registered optimizers. Columns are one map of each family that need
 either registry appear by themselves.
 """
 
+import argparse
 import re
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -208,6 +209,7 @@ def write_gallery() -> str:
 
 def main() -> None:
     """Write the document and its pictures, and delete pictures that are no longer in it."""
+    argparse.ArgumentParser(prog="python -m experiments.gallery", description=__doc__).parse_args()
     with command(kept="pictures that were drawn are kept"):
         print(write_gallery())
 

@@ -4,8 +4,9 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
+from swarm_gym.command import quiet_without_readers
 from swarm_gym.errors import MissingExtraError
 
 
@@ -39,15 +40,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
             unknown one; the message says what to do.
     """
     name, *rest = [*(sys.argv[1:] if arguments is None else arguments), ""]
-    if name in ("", "-h", "--help"):
+    with quiet_without_readers():
+        if name not in ("", "-h", "--help"):
+            _run(name, rest[:-1])
         print("commands, each with --help:\n")
         for known, (module, purpose) in COMMANDS.items():
             print(f"  swarm-gym {known:9} {purpose}; also python -m {module}")
-        return
+
+
+def _run(name: str, arguments: list[str]) -> NoReturn:
     if name not in COMMANDS:
         print(f"error: unknown command {name!r}; valid: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
-    sys.argv = [f"swarm-gym {name}", *rest[:-1]]
+    sys.argv = [f"swarm-gym {name}", *arguments]
     sys.exit(_module_of(name).main())
 
 

@@ -6,6 +6,7 @@ Any interruption or expected error becomes one line and an exit status.
 import argparse
 import os
 import re
+import select
 import signal
 import sys
 import threading
@@ -18,6 +19,7 @@ LONGEST = 5_000  # characters of an error message
 # Exit statuses of shells for processes that a signal ended.
 INTERRUPTED = 128 + signal.SIGINT
 TERMINATED = 128 + signal.SIGTERM
+PIPE_CLOSED = 128 + 13  # of SIGPIPE, which not all systems have
 
 
 class NumberParser(argparse.ArgumentParser):
@@ -78,6 +80,7 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
     | `OSError` (a full disk, a read-only folder), `ValueError`, one of `errors` | 1 |
     | Ctrl-C | 130 |
     | SIGTERM, which batch systems send before they kill; on Windows Ctrl-Break | 143 |
+    | standard output is closed, as by `head` after its lines; without a message | 141 |
 
     Messages have at most `LONGEST` characters. After Ctrl-C and SIGTERM files are closed and worker
     processes end, as after an error. Any other exception is a mistake in the program and is raised with its
@@ -90,7 +93,8 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
     expected: tuple[type[Exception], ...] = (OSError, ValueError, *errors)
     with _raising_on_signals():
         try:
-            yield
+            with quiet_without_readers():
+                yield
         except KeyboardInterrupt:
             _end("interrupted", kept, INTERRUPTED)
         except _Terminated:
@@ -98,6 +102,27 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
         except expected as error:
             more = f"; {kept}" if kept and isinstance(error, OSError) else ""
             sys.exit(f"error: {_shortened(str(error))}{more}")
+
+
+@contextmanager
+def quiet_without_readers() -> Iterator[None]:
+    """End with status 141 where nobody reads standard output any more; so commands write, then print."""
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        if not _reader_is_gone():
+            raise  # another pipe, such as that of a worker process
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(PIPE_CLOSED)
+
+
+def _reader_is_gone() -> bool:
+    if not hasattr(select, "poll"):
+        return True
+    poll = select.poll()
+    poll.register(sys.stdout.fileno(), 0)
+    return any(event & select.POLLERR for _, event in poll.poll(0))
 
 
 @contextmanager

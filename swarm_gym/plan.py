@@ -12,8 +12,15 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from swarm_gym.command import NumberParser, budget, point, warnings_in_a_line
-from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
+from swarm_gym.command import (
+    INTERRUPTED,
+    NumberParser,
+    budget,
+    point,
+    quiet_without_readers,
+    warnings_in_a_line,
+)
+from swarm_gym.errors import MissingExtraError, NoPathError, SettingError, SwarmGymError
 from swarm_gym.planning.drive_costs import USUAL
 from swarm_gym.planning.flights import command_line
 from swarm_gym.planning.flights.command_line import INVALID, NO_PATH
@@ -41,7 +48,8 @@ EXAMPLES = """examples:
 Over terrain (.tif, .asc, .hgt, or a scenario such as terrain:test:0) it plans a flight, with other options:
   python -m swarm_gym.plan --map dem.tif --help
 
-exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found
+exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found, 130 after Ctrl-C
+without one
 """
 
 
@@ -52,9 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return command_line.main(given)
     options = _parser().parse_args(given)
     try:
-        require_formats(options.output, files_of(options.map))
+        if options.switch_margin is not None and options.previous is None:
+            raise SettingError("--switch-margin: it compares with a previous path; give --previous, too")
+        read = [*files_of(options.map), options.workspace]
+        require_formats(options.output, read, options.alternatives)
         evaluations, seconds = options.budget
-        with warnings_in_a_line():
+        with quiet_without_readers(), warnings_in_a_line():
             found = plan(
                 options.map,
                 options.start,
@@ -75,17 +86,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 terrain=options.terrain,
                 wishes=options.wishes,
                 alternatives=options.alternatives,
-                switch_margin=options.switch_margin,
+                switch_margin=SWITCH_MARGIN if options.switch_margin is None else options.switch_margin,
                 turning_radius=options.turning_radius,
                 start_heading=options.start_heading,
                 goal_heading=options.goal_heading,
                 reverse=options.reverse,
                 curvature_rate=options.curvature_rate,
             )
-        print(_described(found))
-        if options.output:
             written = write_plan(found, *options.output)
-            print(f"written to {', '.join(map(str, written))}")
+            print(_described(found))
+            if written:
+                print(f"written to {', '.join(map(str, written))}")
+    except KeyboardInterrupt:
+        print("interrupted before a path was found or written", file=sys.stderr)
+        return INTERRUPTED
     except NoPathError as error:
         print(f"no path: {error}", file=sys.stderr)
         return NO_PATH
@@ -227,7 +241,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--switch-margin",
         type=float,
-        default=SWITCH_MARGIN,
         metavar="SHARE",
         help="share by which a path in another corridor than --previous must be better; 0 takes the best "
         f"path (default: {SWITCH_MARGIN:g})",
@@ -250,9 +263,11 @@ def _weights(text: str) -> dict[str, float]:
     Raises:
         argparse.ArgumentTypeError: for any other text.
     """
-    found = {}
+    found: dict[str, float] = {}
     for part in text.split(","):
         name, _, number = part.partition("=")
+        if name.strip() in found:
+            raise argparse.ArgumentTypeError(f"{name.strip()} is given twice in {text!r}")
         try:
             found[name.strip()] = float(number)
         except ValueError as error:

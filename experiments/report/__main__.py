@@ -20,6 +20,7 @@ from experiments.runs.database import Results, ResultsError
 from experiments.runs.run import RunKey
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
+from swarm_gym.outputs import require_outputs
 
 REPLAY_FORM = "CONTROLLER,SCENARIO,SEED"
 
@@ -46,8 +47,11 @@ def write_report(config: ReportConfig) -> Path:
 
     Raises:
         ResultsError: if the database cannot be used, or lacks a run to replay.
+        SettingError: if the output cannot be written, or is the database.
         OwnCodeError: if it has runs of own code that the command line does not name.
     """
+    if config.output is not None:
+        require_outputs([config.output], [config.database])
     suite = config.choice.suite(config.suite or config.database.stem)
     replays = None if config.replays is None else [_run_key(text) for text in config.replays]
     results = Results.stored(config.database, environment_configuration(suite))
@@ -73,7 +77,7 @@ def main() -> None:
     config = tyro.cli(ReportConfig, description=__doc__)
     with command(ResultsError):
         file = write_report(config)
-    print(f"report: {file} ({file.stat().st_size / 1e6:.1f} MB)")
+        print(f"report: {file} ({file.stat().st_size / 1e6:.1f} MB)")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ A link leads to a file of the site, and its anchor to an element of that page wi
 how many links it checked, and every broken one.
 """
 
-import sys
+import argparse
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -94,11 +94,12 @@ def _faults(link: str, path: Path, pages: dict[Path, LinkedPage], site: Path) ->
 
 def main() -> None:
     """Check the site in the folder that the command line names."""
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m experiments.site.check_links FOLDER")
+    parser = argparse.ArgumentParser(prog="python -m experiments.site.check_links", description=__doc__)
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="the built site")
+    folder = parser.parse_args().folder
     with command(BrokenLinksError):
-        number = check_links(Path(sys.argv[1]))
-        pages = len(list(Path(sys.argv[1]).rglob("*.html")))
+        number = check_links(folder)
+        pages = len(list(folder.rglob("*.html")))
     print(f"{number:,} internal links of {pages} pages lead somewhere")
 
 

@@ -24,7 +24,9 @@ from swarm_gym.command import command
 from swarm_gym.comparing.comparison import CASES, compare
 from swarm_gym.errors import MissingExtraError, SwarmGymError
 from swarm_gym.files import write_atomically
+from swarm_gym.outputs import files_named, require_outputs
 
+HIGHEST_PRICE = 1e9
 MOST_SEEDS = 100_000  # validation and training take their seeds above
 # Options that reach all environments where they are given.
 OPTIONS = ("encoding", "source", "cost", "iterations", "max_evaluations")
@@ -34,9 +36,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Compare as the command line says, and print the table."""
     given = _parser().parse_args(arguments)
     with command(SwarmGymError, MissingExtraError):
-        require_number("--price", given.price, 0.0, float("inf"))
+        require_number("--price", given.price, 0.0, HIGHEST_PRICE)
         require_integer("--first-seed", given.first_seed, 0, MOST_SEEDS - 2)
         require_integer("--seeds", given.seeds, 1, MOST_SEEDS - given.first_seed)
+        if given.output is not None:
+            require_outputs([given.output], files_named(*given.controllers, *given.scenarios))
         runs = compare(
             given.controllers,
             given.scenarios,
@@ -45,9 +49,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
             lambda name: print(f"running {name}", file=sys.stderr, flush=True),
             **{name: value for name in OPTIONS if (value := getattr(given, name)) is not None},
         )
-        print(runs.table(given.price))
         if given.output is not None:
             write_atomically(given.output, runs.as_csv())
+        print(runs.table(given.price))
+        if given.output is not None:
             print(f"all runs: {given.output}")
 
 

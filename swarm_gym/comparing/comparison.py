@@ -55,7 +55,7 @@ def compare(
                 f"{kind}: expected a list of names, got {shown(given)}; write [{shown(given)}]"
             )
     sets = {name: expand_name(name) for name in scenarios}
-    names = [name for of_one in sets.values() for name in of_one]
+    names = [name for given in scenarios for name in expand_name(given)]
     _check(list(controllers), names, seeds)
     if min(map(len, sets.values())) * len(seeds) < 2:
         raise SettingError(

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
+from swarm_gym.outputs import files_named
 from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import End, thinnest
@@ -125,16 +126,15 @@ def files_of(where: str) -> list[Path]:
     """Return the files that hold the map of a name: its file and the picture that it names, or none.
 
     Args:
-        where: name of a file, here or in the data folder, or of a scenario.
+        where: name of a file, here or in the data folder, or of a scenario, which may contain that of a file.
 
     Raises:
         ScenarioError: for a file that is missing or malformed.
         MissingExtraError: if PyYAML is missing.
     """
-    if not _is_file(where):
-        return []
-    path = _path_of(where)
-    return [path, read_yaml(path).image] if ending_of(path) in ENDINGS else [path]
+    paths = [_path_of(where)] if _is_file(where) else files_named(where)
+    images = [read_yaml(path).image for path in paths if ending_of(path) in ENDINGS]
+    return [*paths, *images]
 
 
 def _is_file(where: str | Path | AnyScenario) -> bool:

@@ -1,7 +1,7 @@
 """Files with a path: CSV, GeoJSON, ROS's nav_msgs/Path as YAML, or a picture, by the ending of the name."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +11,7 @@ import numpy as np
 
 from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.files import write_atomically
+from swarm_gym.outputs import require_outputs
 from swarm_gym.planning.curve import COLUMNS
 from swarm_gym.planning.drawing import as_png, as_svg
 from swarm_gym.planning.result import Plan
@@ -115,52 +116,29 @@ def format_of(path: Path, formats: Mapping[str, Made]) -> Made:
     return formats[path.suffix]
 
 
-def checked(
-    paths: Iterable[Path], formats: Mapping[str, object], read: Iterable[object] = ()
-) -> Iterator[Path]:
-    """Yield each name of a file that can be written, so that the caller can check more of it.
-
-    Args:
-        paths: files to write.
-        formats: function that makes the content of a file, by the ending of its name.
-        read: the map and other inputs of the plan; those that are paths of files must stay.
-
-    Raises:
-        SettingError: for an ending that is not in `formats`, a folder, a name below a file or given twice, or
-            a file that is read.
-    """
-    kept = {Path(one).resolve() for one in read if isinstance(one, str | Path) and Path(one).is_file()}
-    seen = set()
-    for path in paths:
-        format_of(path, formats)
-        if path.is_dir():
-            raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
-        above = next(one for one in path.absolute().parents if one.exists())
-        if not above.is_dir():
-            raise SettingError(f"output {str(path)!r}: {str(above)!r} is a file, no folder for it")
-        if path.resolve() in kept:
-            raise SettingError(f"output {str(path)!r}: it is read to plan with; name another file")
-        yield path
-        if path in seen:
-            raise SettingError(f"output {str(path)!r}: given twice; name each file once")
-        seen.add(path)
-
-
-def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
+def require_formats(paths: Iterable[Path], read: Iterable[object] = (), alternatives: int = 1) -> None:
     """Raise an error unless the path of a plan can be written to files of these names.
 
     Args:
         paths: files to write.
         read: the map and other inputs of the plan; those that are paths of files must stay.
+        alternatives: number of paths, at most.
 
     Raises:
-        SettingError: for an ending that is not in `FORMATS`, a folder, a name below a file or given twice, or
-            a file that is read.
+        SettingError: for an ending that is not in `FORMATS`, and as `swarm_gym.outputs.require_outputs`.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    for path in checked(paths, FORMATS, read):
+    named = [*paths]
+    require_outputs([one for path in named for one in _files(path, alternatives)], read, FORMATS)
+    for path in named:
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "maps")
+
+
+def _files(path: Path, alternatives: int) -> list[Path]:
+    """Return the files of an output: one for each alternative, or one for all if it is GeoJSON."""
+    numbers = range(2, alternatives + 1) if path.suffix != ".geojson" else ()
+    return [path, *(path.with_stem(f"{path.stem}-{number}") for number in numbers)]
 
 
 def write_plan(plan: Plan, *paths: Path) -> list[Path]:
@@ -179,10 +157,10 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
     contents: dict[Path, str | bytes] = {}
     for path in paths:
         make = format_of(path, FORMATS)
-        contents[path] = make(plan)
-        if path.suffix != ".geojson":
-            for number, one in enumerate(_each(plan)[1:], 2):
-                contents[path.with_stem(f"{path.stem}-{number}")] = make(one)
+        first, *others = _files(path, len(plan.alternatives))
+        contents[first] = make(plan)
+        for file, one in zip(others, _each(plan)[1:], strict=True):
+            contents[file] = make(one)
     write_all(contents)
     return list(contents)
 

@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.outputs import require_outputs
 from swarm_gym.runs.folder import RunFolderError, as_json, prepare_folder
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import training_seed
@@ -37,8 +38,12 @@ class TuningRun:
                 f"total_steps {config.total_steps}: one round takes {self.tuner.steps_per_round}; "
                 "raise it, or lower episodes or candidates"
             )
-        if config.output and config.output.exists() and not config.resume:
-            raise RunFolderError(f"--output {config.output} exists already; name another file or delete it")
+        if config.output:
+            require_outputs([config.output])
+            if config.output.exists() and not config.resume:
+                raise RunFolderError(
+                    f"--output {config.output} exists already; name another file or delete it"
+                )
         # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(
             config.folder, dataclasses.asdict(config), config.resume, (*_LOCATION, "total_steps")

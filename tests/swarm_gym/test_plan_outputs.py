@@ -1,6 +1,7 @@
 """Files of a plan: several at once, all checked before planning, and none of them half written."""
 
 import json
+import re
 import sys
 
 import numpy as np
@@ -44,7 +45,7 @@ def test_all_files_are_written(tmp_path, capsys):
         (["a.csv", "a.doc"], "a.doc': the name must end with .csv, .geojson, .yaml, .svg, .png"),
         (["a.doc", "a.csv"], "a.doc': the name must end with .csv"),
         (["a.csv", "folder.csv"], "folder.csv': a folder; name a file in it"),
-        (["a.csv", "a.yaml", "a.csv"], "a.csv': given twice"),
+        (["a.csv", "a.yaml", "a.csv"], "a.csv': two outputs have this name"),
     ],
 )
 def test_all_names_are_checked_before_anything_is_planned(tmp_path, names, message, unplanned, capsys):
@@ -103,5 +104,67 @@ def test_neither_a_map_nor_its_picture_is_replaced(tmp_path, name, unplanned, ca
     before = (tmp_path / name).read_bytes()
     command = ["--map", str(tmp_path / "small.yaml"), "--start", "1,1", "--goal", "2,2"]
     assert main([*command, *outputs(tmp_path / name)]) == 2
-    assert "it is read to plan with; name another file" in capsys.readouterr().err
+    assert "this command reads it; name another file" in capsys.readouterr().err
     assert (tmp_path / name).read_bytes() == before
+
+
+SPACE = '{"type": "Polygon", "coordinates": [[[-1, -1], [11, -1], [11, 11], [-1, 11], [-1, -1]]]}'
+BLOCK = '{"type": "Polygon", "coordinates": [[[4, 4], [5, 4], [5, 5], [4, 5], [4, 4]]]}'
+OVER_BLOCK = ["--map", "map.geojson", "--start", "0,0", "--goal", "10,10"]
+
+
+@pytest.mark.parametrize(
+    ("command", "names"),
+    [
+        ([*OVER_BLOCK, "--workspace", "space.geojson"], ["space.geojson"]),
+        ([*OVER_BLOCK, "--alternatives", "2"], ["floor.yaml"]),
+        ([*OVER_BLOCK, "--alternatives", "3"], ["k.csv", "k-2.csv"]),
+        (["--map", "ros:floor-2.yaml?start=1,1&goal=2,2"], ["floor-2.yaml"]),
+        (
+            ["--map", "terrain-file:dem.asc?start=1,1,150&goal=2,2,150&threats=space.geojson"],
+            ["space.geojson"],
+        ),
+    ],
+)
+def test_neither_inputs_nor_other_outputs_are_replaced(
+    tmp_path, monkeypatch, command, names, unplanned, capsys
+):
+    pytest.importorskip("yaml", reason="needs the extra `maps`")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.geojson").write_text(BLOCK)
+    (tmp_path / "space.geojson").write_text(SPACE)
+    (tmp_path / "floor-2.yaml").write_text(
+        "image: floor.png\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        "free_thresh: 0.196\n"
+    )
+    if "floor.yaml" in names:
+        command = ["--map", "floor-2.yaml", *command[2:]]
+    before = {file.name: file.read_text() for file in tmp_path.iterdir()}
+    assert main([*command, *outputs(*names)]) == 2
+    assert re.search("this command reads it|two outputs have this name", capsys.readouterr().err)
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == before
+
+
+def test_ctrl_c_before_a_path_is_there_is_one_line(monkeypatch, capsys):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["swarm_gym.plan"], "plan", stopped)
+    assert main(COMMAND) == 130
+    assert capsys.readouterr().err == "interrupted before a path was found or written\n"
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (["--wishes", "distance=2,distance=3"], "distance is given twice in 'distance=2,distance=3'"),
+        (["--switch-margin", "0.2"], "--switch-margin: it compares with a previous path"),
+    ],
+)
+def test_options_without_an_effect_are_refused(option, message, unplanned, capsys):
+    try:
+        status = main([*COMMAND, *option])
+    except SystemExit as ended:
+        status = ended.code
+    assert status == 2
+    assert message in capsys.readouterr().err

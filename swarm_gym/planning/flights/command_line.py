@@ -5,7 +5,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from swarm_gym.command import INTERRUPTED, NumberParser, budget, warnings_in_a_line
+from swarm_gym.command import (
+    INTERRUPTED,
+    NumberParser,
+    budget,
+    quiet_without_readers,
+    warnings_in_a_line,
+)
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.flights.planner import is_elevation, plan_flight
 from swarm_gym.planning.flights.result import Flight
@@ -44,7 +50,7 @@ def main(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
     try:
         evaluations, seconds = options.budget
-        with warnings_in_a_line():
+        with quiet_without_readers(), warnings_in_a_line():
             found = plan_flight(
                 options.map,
                 options.start,
@@ -62,10 +68,10 @@ def main(arguments: Sequence[str]) -> int:
                 seed=options.seed,
                 outputs=options.output,
             )
-        print(described(found))
-        if options.output:
             write_flight(found, *options.output)
-            print(f"written to {', '.join(map(str, options.output))}")
+            print(described(found))
+            if options.output:
+                print(f"written to {', '.join(map(str, options.output))}")
     except KeyboardInterrupt:
         print("interrupted before a flight was found or written", file=sys.stderr)
         return INTERRUPTED

@@ -9,6 +9,7 @@ from typing import cast
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import NoPathError, ScenarioError, shown
+from swarm_gym.outputs import files_named
 from swarm_gym.planning.flights.measures import measured
 from swarm_gym.planning.flights.result import Flight
 from swarm_gym.planning.flights.search import EPISODES, FlightSearch
@@ -82,7 +83,7 @@ def plan_flight(
         require_number("max_seconds", max_seconds, 1e-3, 1e9)
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
-    require_formats(outputs, (where, threats))
+    require_formats(outputs, (where, threats, *files_named(where)))
     began = time.monotonic()
     given = {
         "altitude": altitude,

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, SettingError
+from swarm_gym.outputs import require_outputs
 from swarm_gym.planning.flights.picture import as_page, as_png
 from swarm_gym.planning.flights.result import Flight
-from swarm_gym.planning.writing import checked, format_of, write_all
+from swarm_gym.planning.writing import format_of, write_all
 from swarm_gym.scenarios.formats.elevation import NAME_SYSTEM
 from swarm_gym.scenarios.formats.geographic import GEOGRAPHIC
 from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP
@@ -157,11 +158,12 @@ def require_formats(paths: Iterable[Path], read: Iterable[object] = ()) -> None:
         read: the map and other inputs of the plan; those that are paths of files must stay.
 
     Raises:
-        SettingError: for an ending that is not in `FORMATS`, a folder, a name below a file or given twice, or
-            a file that is read.
+        SettingError: for an ending that is not in `FORMATS`, and as `swarm_gym.outputs.require_outputs`.
         MissingExtraError: for a PNG, if Pillow is missing.
     """
-    for path in checked(paths, FORMATS, read):
+    named = [*paths]
+    require_outputs(named, read, FORMATS)
+    for path in named:
         if path.suffix == ".png" and find_spec("PIL") is None:
             raise MissingExtraError(f"output {str(path)!r}", "Pillow", "terrain")
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.command import command
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.files import write_atomically
+from swarm_gym.outputs import require_outputs
 from swarm_gym.scenarios.formats.data_files import data_folder
 from swarm_gym.scenarios.terrain.safe_pickle import load_arrays
 from swarm_gym.scenarios.terrain.uav56 import COUNT, FILE, fault_of
@@ -38,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     target = options.output or data_folder() / FILE
     with command(ScenarioError):
+        require_outputs([target], [options.file])
         arrays: dict[str, Any] = {**converted(options.file)}
         content = BytesIO()
         np.savez_compressed(content, **arrays)

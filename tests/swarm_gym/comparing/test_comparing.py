@@ -168,7 +168,16 @@ def test_parameters_of_optimizers_and_sizes_reach_environments_and_controllers()
     assert (compare(["theory"], ["onemax:20"], range(2), **distinct).fitness == 0.0).all()
 
 
-@pytest.mark.parametrize("options", [["--seeds", "1"], ["--price", "-1"], ["--first-seed", "100000"]])
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--seeds", "1"],
+        ["--price", "-1"],
+        ["--price", "inf"],
+        ["--scenarios", "case1", "case1"],
+        ["--first-seed", "100000"],
+    ],
+)
 def test_the_command_ends_with_a_message_for_bad_input(options):
     with pytest.raises(SystemExit) as ended:
         main(["fixed:8", *options])

@@ -126,5 +126,5 @@ def test_a_file_that_is_read_is_not_written(tmp_path, capsys):
     given = ["--map", str(path), "--start", "100,100,150", "--goal", "700,700,150", "--threats", str(threats)]
     again = tmp_path / "folder" / ".." / "t.geojson"
     assert main([*given, "--output", str(again)]) == 2
-    assert "it is read to plan with; name another file" in capsys.readouterr().err
+    assert "this command reads it; name another file" in capsys.readouterr().err
     assert threats.read_bytes() == before
