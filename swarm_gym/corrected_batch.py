@@ -8,6 +8,7 @@ The base sees its own observation layout. The policy observes its layout and the
 that the base proposes; at the end of an episode these are zeros.
 """
 
+import copy
 import dataclasses
 from collections import deque
 from collections.abc import Mapping
@@ -260,7 +261,7 @@ def _controller_of(base: object, optimizer: str, options: Mapping[str, object]) 
     """Return a controller, given itself or its name, for the population sizes that the swarms may have."""
     if isinstance(base, Controller):
         require_trial(base)
-        return base
+        return copy.deepcopy(base)  # its memory is that of these swarms
     if not isinstance(base, str):
         raise SettingError(
             f"base must be a controller, or the name of one such as 'spsfa-tip' or "

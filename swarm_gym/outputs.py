@@ -14,7 +14,7 @@ def require_outputs(
 
     Args:
         paths: files to write.
-        read: what the command reads; those that are paths of files must stay, see `files_named`.
+        read: inputs of the command; those that are paths of files must stay, see `files_named`.
         formats: endings that names may have, as keys; by default any.
 
     Raises:

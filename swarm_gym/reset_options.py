@@ -106,6 +106,10 @@ def read_reset_options(
         names = worlds.scenario_names
         if not isinstance(options["scenario"], str) or options["scenario"] not in names:
             raise UnknownNameError("scenario of this environment", options["scenario"], names)
+        if names.count(options["scenario"]) > 1:
+            raise SettingError(
+                f"scenario {options['scenario']!r}: several scenarios of this environment have this name"
+            )
         scenario = names.index(options["scenario"])
     size = options.get("initial_population_size", settings.initial_population_size)
     population = None
@@ -118,13 +122,14 @@ def read_reset_options(
         for name in ("initial_population_size", *SOURCE_OPTIONS):
             if name in options:
                 raise SettingError(f"expected initial_population or {name}, got both")
-        population = _read_population(options["initial_population"], worlds)
+        population = _read_population(options["initial_population"], worlds, scenario)
         size = len(population)
-    settings.check_population_size("initial_population_size", size)
+    name = "initial_population_size" if population is None else "the size of initial_population"
+    settings.check_population_size(name, size)
     size = cast(int, size)
     budget = settings.max_evaluations
     if budget is not None and size > budget:
-        raise SettingError(f"initial_population_size must be at most max_evaluations, {budget}, got {size}")
+        raise SettingError(f"{name} must be at most max_evaluations, {budget}, got {size}")
     return Beginning(int(size), population, scenario, _read_source(options, settings))
 
 
@@ -141,20 +146,28 @@ def _read_source(options: Mapping[str, object], settings: Settings) -> Source:
     return source
 
 
-def _read_population(population: object, worlds: Worlds) -> Floats:
+def _read_population(population: object, worlds: Worlds, scenario: int | None) -> Floats:
     n = worlds.problems[0].dimension
     try:
+        given = np.asarray(population)
+        numbers = given.dtype.kind in "fiu" or all(isinstance(one, int | float) for one in given.flat)
+        if not numbers or any(isinstance(one, bool) for one in given.flat) or np.ma.is_masked(population):
+            raise TypeError
         with np.errstate(over="ignore"):  # becomes infinite, which is refused below
-            array = np.asarray(population, dtype=np.float64)
+            array = given.astype(np.float64)
     except Exception as error:  # an object that converts itself to an array can raise anything
         raise SettingError(f"initial_population must be numbers, got {shown(population)}") from error
     if array.ndim != 2 or array.shape[1] != n:
         raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
-    lower, upper = worlds.common_bounds
-    lower, upper = lower[:n], upper[:n]
-    if not ((array >= lower) & (array <= upper)).all():
+    lower, upper = (bounds[:n] for bounds in worlds.common_bounds(scenario))
+    inside = (array >= lower) & (array <= upper)
+    if not inside.all():
+        member, component = np.argwhere(~inside)[0]
+        several = scenario is None and len(worlds.first) > 1
+        whose = " of all scenarios, unless `scenario` names one" if several else ""
         raise SettingError(
-            "initial_population must be finite and inside the bounds of decision vectors, got values "
-            f"from {array.min():g} to {array.max():g}"
+            f"initial_population must be finite and inside the bounds of decision vectors{whose}: component "
+            f"{component} of member {member} must lie in [{lower[component]:g}, {upper[component]:g}], got "
+            f"{array[member, component]:g}"
         )
     return array

@@ -24,7 +24,7 @@ from swarm_gym.arrays import as_numpy
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers import Controller, make_controller_for
 from swarm_gym.corrected_batch import SOURCE_OPTIONS, completed
-from swarm_gym.errors import MissingExtraError, SettingError, shown
+from swarm_gym.errors import ActionError, MissingExtraError, SettingError, shown
 from swarm_gym.learner_options import FOR_CORRECTIONS, learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
 from swarm_gym.sources import UNIFORM
@@ -182,6 +182,8 @@ class NativeVecEnv(VecEnv):
         """
         given = {} if options is None else options
         by_swarm = [given] * self.num_envs if isinstance(given, Mapping) else given
+        if isinstance(by_swarm, Sequence):
+            by_swarm = [{} if one is None else one for one in by_swarm]
         if not isinstance(by_swarm, Sequence) or len(by_swarm) != self.num_envs:
             raise SettingError(
                 f"options must be a mapping, or a list of {self.num_envs}, one for each swarm, "
@@ -315,8 +317,17 @@ class ChoiceVecEnv(VecEnvWrapper):
         return self.venv.reset()  # type: ignore[return-value]
 
     def step_async(self, actions: NDArray) -> None:
-        """Keep the chosen actions for `step_wait`, given their numbers (B,)."""
-        self.venv.step_async(self.choices[actions])
+        """Keep the chosen actions for `step_wait`, given their numbers (B,).
+
+        Raises:
+            ActionError: if an action is not the number of a choice.
+        """
+        numbers = np.asarray(actions)
+        if numbers.dtype.kind not in "iu" or ((numbers < 0) | (numbers >= len(self.choices))).any():
+            raise ActionError(
+                f"actions must be numbers of choices, 0 to {len(self.choices) - 1}, got {actions}"
+            )
+        self.venv.step_async(self.choices[numbers])
 
     def step_wait(self) -> VecEnvStepReturn:
         """Advance all swarms."""

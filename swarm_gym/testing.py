@@ -10,6 +10,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Box
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
@@ -22,7 +23,13 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.registration import environment_id
 from swarm_gym.rollout import run_episodes
-from swarm_gym.scenarios import DynamicScenario, FunctionScenario, TerrainScenario, make_scenario
+from swarm_gym.scenarios import (
+    DynamicScenario,
+    FunctionScenario,
+    TerrainScenario,
+    make_scenario,
+    worlds_of,
+)
 from swarm_gym.vector_env import SwarmVectorEnv
 
 NUM_SWARMS, ITERATIONS, SEED, BUDGET = 5, 12, 7, 70
@@ -58,11 +65,15 @@ def check_controller(name: str, scenario: str = "case3") -> None:
     _require(first == again, f"controller {name}: two episodes of the same seed differ")
     optimizer = controller.made_for or "firefly"
     envs = SwarmVectorEnv(
-        NUM_SWARMS, optimizer, scenario=scenario, iterations=ITERATIONS, **controller.env_options()
+        NUM_SWARMS,
+        optimizer,
+        scenario=scenario,
+        iterations=_iterations_on(scenario),
+        **controller.env_options(),
     )
     controller.reset(NUM_SWARMS, SEED)
     observations, _ = envs.reset(seed=SEED)
-    for _ in range(ITERATIONS):
+    for _ in range(_iterations_on(scenario)):
         # The environment refuses an action outside of its space, and names the swarm.
         observations, _, _, _, _ = envs.step(controller.act(observations))
     _hint(name, make_controller(name), scenario, optimizer)
@@ -75,8 +86,13 @@ def check_optimizer(name: str, scenario: str = "case3") -> None:
         OwnCodeError: if the name cannot be imported, or is no optimizer.
         ContractError: for a contract that it does not keep.
     """
-    get_optimizer(name)
-    options: dict[str, Any] = {"scenario": scenario, "iterations": ITERATIONS, "initial_population_size": 9}
+    least = max(2, get_optimizer(name).smallest_population)
+    options: dict[str, Any] = {
+        "scenario": scenario,
+        "iterations": ITERATIONS,
+        "initial_population_size": least + 7,
+        "min_population_size": least,
+    }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # recommendations about spaces
         check_env(gymnasium.make(environment_id(name), **options).unwrapped, skip_render_check=True)
@@ -84,8 +100,8 @@ def check_optimizer(name: str, scenario: str = "case3") -> None:
     _, info = env.reset(seed=SEED)
     rng, before, ended = np.random.default_rng(SEED), np.inf, False
     while not ended:
-        asked = int(rng.integers(2, 15))
-        _, _, ended, _, info = env.step(np.array([asked, rng.random()]))
+        asked = int(rng.integers(least, least + 13))
+        _, _, ended, _, info = env.step(_fitting(env, asked, rng.random()))
         _check_state(name, env, info, asked, before)
         before = info["best_fitness"]
     _require(
@@ -110,11 +126,13 @@ def check_scenario(name: str, optimizer: str = "firefly") -> None:
     )
     if not isinstance(scenario, FunctionScenario | DynamicScenario | TerrainScenario):
         shortest_path(scenario)
-    env = SwarmEnv(optimizer, scenario=name, iterations=ITERATIONS)
+    least = get_optimizer(optimizer).smallest_population
+    limits: dict[str, Any] = {"min_population_size": least} if least > 2 else {}  # bit strings have one
+    env = SwarmEnv(optimizer, scenario=name, iterations=_iterations_on(name), **limits)
     _, info = env.reset(seed=SEED)
     ended = False
     while not ended:
-        _, _, ended, _, info = env.step(np.array([9.0, 0.5]))
+        _, _, ended, _, info = env.step(_fitting(env, 9.0, 0.5))
     _require(
         bool(np.isfinite(info["best_fitness"])),
         f"scenario {name}: the best fitness of an episode is {info['best_fitness']}",
@@ -178,21 +196,34 @@ def _check_bits(name: str, options: Mapping[str, Any]) -> None:
     """Check that a seed gives the same bits in a single environment and among other swarms."""
     found = []
     env = SwarmEnv(name, **options)
+    action = _fitting(env, 11.0, 0.5)
     for row in range(NUM_SWARMS):
         env.reset(seed=SEED + row)
         for _ in range(ITERATIONS):
-            info = env.step(np.array([11.0, 0.5]))[-1]
+            info = env.step(action)[-1]
         found.append(float(info["best_fitness"]))
     envs = SwarmVectorEnv(NUM_SWARMS, name, **options)
     envs.reset(seed=SEED)
     for _ in range(ITERATIONS):
-        infos = envs.step(np.tile([11.0, 0.5], (NUM_SWARMS, 1)))[-1]
+        infos = envs.step(np.tile(action, (NUM_SWARMS, 1)))[-1]
     together = np.asarray(infos["best_fitness"]).tolist()
     _require(
         found == together,
         f"optimizer {name}: the same seeds give {found} one by one, and {together} side by side; draw random "
         "numbers from swarms.stream[b] only, and keep what a swarm remembers in swarms.memory",
     )
+
+
+def _iterations_on(scenario: str) -> int:
+    """Return the iterations of trial episodes: at least one more after the last event of a changing map."""
+    return max(ITERATIONS, worlds_of(make_scenario(scenario))[-1].iteration + 1)
+
+
+def _fitting(env: SwarmEnv, size: float, repair_degree: float) -> NDArray:
+    """Return an action of this size and phi, within the bounds of the action space."""
+    space = env.action_space
+    assert isinstance(space, Box)
+    return np.clip([size, repair_degree], space.low, space.high)
 
 
 def _require(kept: bool, message: str) -> None:
@@ -230,7 +261,10 @@ def _observations(controller: Controller, rng: np.random.Generator, iteration: i
 def _course(controller: Controller, scenario: str) -> list[float]:
     """Return the best fitness after every iteration of an episode."""
     env = SwarmEnv(
-        controller.made_for or "firefly", scenario=scenario, iterations=ITERATIONS, **controller.env_options()
+        controller.made_for or "firefly",
+        scenario=scenario,
+        iterations=_iterations_on(scenario),
+        **controller.env_options(),
     )
     controller.reset(1, SEED)
     observation, _ = env.reset(seed=SEED)

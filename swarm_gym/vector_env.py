@@ -30,6 +30,9 @@ PRECISIONS = ("float64", "float32")
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     """A vector of `num_envs` swarms; swarm i equals a `SwarmEnv` with seed + i, bit for bit.
 
+    With a base that draws random numbers, such as `random`, this holds until the first episode of a swarm
+    ends: the base goes on with its numbers for all swarms.
+
     Spaces, rewards, endings and options are as in `swarm_gym.env.SwarmEnv`. The conventions follow
     `gymnasium.vector.SyncVectorEnv`: infos with `_key` masks, `final_obs` and `final_info`, and
     `options["reset_mask"]`.
@@ -243,16 +246,20 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
         Raises:
             ActionError: if the action of a running swarm is not in the action space.
+            SettingError: if `chosen` has not one flag for each swarm.
             StepOrderError: if a swarm was never reset.
         """
         stepping = ~self._ended
         if chosen is not None:
+            is_flags = not isinstance(chosen, np.ndarray) or chosen.dtype == np.bool_
+            if tuple(np.shape(chosen)) != (self.num_envs,) or not is_flags:
+                raise SettingError(f"chosen must be {self.num_envs} booleans, got {shown(chosen)}")
             stepping &= self.simulation.place(chosen) if isinstance(chosen, np.ndarray) else chosen
         rewards, terminated = self._batch.step(stepping, actions)
         self._ended |= terminated
         return self._batch.observe(), rewards, copy_of(self.simulation.xp, self._ended)
 
-    def copy_swarms(self, rows: NDArray[np.int64]) -> NDArray:
+    def copy_swarms(self, rows: "AnyArray | Sequence[int]") -> NDArray:
         """Make swarm i, for every i, a copy of swarm rows[i], to continue differently from the same state.
 
         Copies develop identically, down to their random numbers, as long as their actions are identical. The
@@ -263,9 +270,13 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
         Returns:
             Observations, shape (B, k).
+
+        Raises:
+            SettingError: for anything else than B numbers of swarms.
         """
+        rows = self._read_rows(rows)
         self._batch.copy_rows(rows)
-        self._ended = self._ended[self.simulation.place(as_numpy(rows))]
+        self._ended = self._ended[self.simulation.place(rows)]
         return self._batch.observe()
 
     def infos(self, rows: Flags) -> Infos:
@@ -305,6 +316,16 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             raise SettingError(f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}")
         return mask
 
+    def _read_rows(self, rows: "AnyArray | Sequence[int]") -> NDArray[np.int64]:
+        given = np.asarray(rows) if isinstance(rows, Sequence) else as_numpy(rows)
+        valid = given.shape == (self.num_envs,) and given.dtype.kind in "iu"
+        if not valid or given.min() < 0 or given.max() >= self.num_envs:
+            raise SettingError(
+                f"rows must be {self.num_envs} numbers of swarms from 0 to {self.num_envs - 1}, got "
+                f"{shown(rows)}"
+            )
+        return given.astype(np.int64)
+
     def _read_seeds(self, seed: int | list[int | None]) -> list[int | None]:
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
@@ -313,7 +334,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             raise SettingError(f"seed must be an integer or a list of integers, got {shown(seed)}")
         if len(seed) != self.num_envs:
             raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
-        return list(seed)
+        return [int(one) if isinstance(one, np.integer) else one for one in seed]
 
 
 def _simulation_on(device: str, precision: str) -> type[Simulation]:

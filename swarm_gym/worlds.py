@@ -186,10 +186,12 @@ class Worlds:
             bounds += [p.collision_bound_anywhere for p in self.problems if isinstance(p, MapProblem)]
         return max(bounds)
 
-    @property
-    def common_bounds(self) -> tuple[Floats, Floats]:
-        """Bounds, (C,) each, of the decision vectors that lie inside the bounds of every world."""
-        lower, upper = self.tables.lower[: self.num_worlds], self.tables.upper[: self.num_worlds]
+    def common_bounds(self, scenario: int | None = None) -> tuple[Floats, Floats]:
+        """Return bounds, (C,) each, of vectors inside the bounds of all worlds, or of those of a scenario."""
+        begin, end = 0, self.num_worlds
+        if scenario is not None:
+            begin, end = np.append(self.first, end)[scenario : scenario + 2]
+        lower, upper = self.tables.lower[begin:end], self.tables.upper[begin:end]
         return lower.max(axis=0), upper.min(axis=0)
 
     @property

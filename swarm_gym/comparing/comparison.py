@@ -54,9 +54,16 @@ def compare(
             raise SettingError(
                 f"{kind}: expected a list of names, got {shown(given)}; write [{shown(given)}]"
             )
+        if not isinstance(given, Sequence | Mapping):
+            raise SettingError(f"{kind}: expected a list of names, got {shown(given)}")
+    if isinstance(controllers, Mapping):
+        for name, one in controllers.items():
+            if not isinstance(one, Controller):
+                raise SettingError(f"controllers: expected a controller as {shown(name)}, got {shown(one)}")
     sets = {name: expand_name(name) for name in scenarios}
     names = [name for given in scenarios for name in expand_name(given)]
     _check(list(controllers), names, seeds)
+    seeds = [int(seed) for seed in seeds]  # Gymnasium refuses integers of NumPy
     if min(map(len, sets.values())) * len(seeds) < 2:
         raise SettingError(
             f"seeds: expected at least 2, since an interval needs 2 runs of a scenario, got {list(seeds)}"

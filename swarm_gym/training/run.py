@@ -70,7 +70,7 @@ class TrainingRun:
         try:
             return self._run()
         except OSError as error:
-            if error.filename is None:  # TensorBoard does not name its files
+            if error.filename is None and error.errno is not None:  # TensorBoard does not name its files
                 raise OSError(error.errno, error.strerror, str(self.folder)) from error
             raise
         finally:

@@ -43,6 +43,17 @@ def zeros(envs):
     return np.zeros(envs.action_space.shape, dtype=np.float32)
 
 
+def test_a_controller_that_is_given_is_copied_for_each_environment():
+    controller = make_controller("spsfa-tip")
+    envs = [SwarmVectorEnv(number, base=controller, **SHORT) for number in (3, 2)]
+    alone = SwarmVectorEnv(3, base="spsfa-tip", **SHORT)
+    for each in (*envs, alone):
+        each.reset(seed=5)
+    for _ in range(9):
+        found = [each.step(zeros(each))[0] for each in envs]
+        np.testing.assert_array_equal(found[0], alone.step(zeros(alone))[0])
+
+
 @pytest.mark.parametrize("action", [None, "sourced-normalised"])
 @pytest.mark.parametrize("name", BASES)
 def test_the_action_of_zeros_is_the_base(name, action):

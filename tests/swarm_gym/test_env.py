@@ -22,7 +22,15 @@ from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.reference import shortest_path
 from swarm_gym.registration import environment_id
-from swarm_gym.scenarios import Circle, Scenario, make_scenario, sample_names, worlds_of
+from swarm_gym.scenarios import (
+    Circle,
+    GridMap,
+    GridScenario,
+    Scenario,
+    make_scenario,
+    sample_names,
+    worlds_of,
+)
 from swarm_gym.settings import Settings
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
@@ -406,6 +414,30 @@ def test_reset_takes_an_initial_population():
     assert env.reset(seed=12, options={"initial_population_size": 9})[1]["population_size"] == 9
 
 
+def test_a_population_of_a_named_scenario_need_not_fit_the_others():
+    maps = [
+        GridScenario(name, GridMap(name, np.zeros(shape, bool)), (1.0, y), (x, y))
+        for name, shape, x, y in (("small", (20, 30), 28.0, 10.0), ("large", (60, 60), 58.0, 30.0))
+    ]
+    env = SwarmEnv(scenario=maps, iterations=3)
+    env.reset(seed=0, options={"scenario": "large"})
+    population = env.simulation.positions(0).copy()
+    env.reset(seed=0, options={"scenario": "large", "initial_population": population})
+    np.testing.assert_array_equal(env.simulation.positions(0), population)
+    with pytest.raises(SettingError, match="of all scenarios, unless `scenario` names one: component"):
+        env.reset(seed=0, options={"initial_population": population})
+
+
+def test_a_name_of_several_scenarios_chooses_none_of_them():
+    maps = [
+        GridScenario("x", GridMap("m", np.zeros((20, 30), bool)), (1.0, y), (28.0, y)) for y in (5.0, 9.0)
+    ]
+    env = SwarmEnv(scenario=maps, iterations=3)
+    env.reset(seed=0)
+    with pytest.raises(SettingError, match="'x': several scenarios of this environment have this name"):
+        env.reset(seed=0, options={"scenario": "x"})
+
+
 def test_observations_and_infos_are_not_reused():
     env = small()
     before, info = env.reset(seed=13)
@@ -504,7 +536,18 @@ def test_bad_options_are_refused_by_name_and_value(options, error, message):
         ({"initial_population": np.zeros((4, 3))}, SettingError, r"\(4, 3\)"),
         ({"initial_population": np.full((4, 31), np.nan)}, SettingError, "finite"),
         ({"initial_population": np.full((4, 31), 301.0)}, SettingError, "inside"),
-        ({"initial_population": np.zeros((13, 31))}, SettingError, "13"),
+        ({"initial_population": np.zeros((13, 31))}, SettingError, "the size of initial_population.*13"),
+        ({"initial_population": np.zeros((4, 31), bool)}, SettingError, "must be numbers"),
+        ({"initial_population": np.full((4, 31), True, object)}, SettingError, "must be numbers"),
+        ({"initial_population": np.zeros((4, 31)).astype(str)}, SettingError, "must be numbers"),
+        ({"initial_population": np.zeros((4, 31), complex)}, SettingError, "must be numbers"),
+        ({"initial_population": np.zeros((4, 31), "datetime64[s]")}, SettingError, "must be numbers"),
+        ({"initial_population": np.ma.masked_array(np.zeros((4, 31)), True)}, SettingError, "be numbers"),
+        (
+            {"initial_population": np.vstack([np.zeros((2, 31)), np.full((2, 31), 301.0)])},
+            SettingError,
+            r"component 0 of member 2 must lie in \[-\d+, \d+\], got 301",
+        ),
         (
             {"initial_population": np.zeros((4, 31)), "initial_population_size": 4},
             SettingError,

@@ -263,6 +263,14 @@ def test_checks_pass_for_the_examples_of_the_page():
     check_scenario("my_swarms.hall:HALL")
 
 
+def test_checks_pass_on_maps_that_change_and_for_optimizers_of_four_members():
+    check_scenario("dynamic:case1-block@70")
+    check_controller("fixed:60", "dynamic:case1-block@20")
+    check_scenario("onemax:40", "one-plus-lambda-lambda")
+    check_scenario("case3", "differential-evolution")
+    check_optimizer("differential-evolution")
+
+
 @pytest.mark.slow
 def test_the_check_of_optimizers_passes_for_the_example_and_for_ours():
     check_optimizer("my_swarms.swarm:HillClimber", "my_swarms.hall:HALL")

@@ -270,3 +270,30 @@ def test_begin_is_reset_without_observations_and_infos():
     np.testing.assert_array_equal(ours.observe(), expected)
     actions = random_actions(np.random.default_rng(1), 3)
     np.testing.assert_array_equal(ours.step(actions)[0], theirs.step(actions)[0])
+
+
+@pytest.mark.parametrize(
+    "rows", [[[0, 1, 2]], [0], [0, 1], [-1, 0, 1], [3, 0, 1], [0.0, 1.0, 2.0], [True, False, True], "012"]
+)
+def test_rows_to_copy_are_numbers_of_all_swarms(rows):
+    envs = SwarmVectorEnv(3, scenario="case3", iterations=5, autoreset_mode="Disabled")
+    before, _ = envs.reset(seed=0)
+    with pytest.raises(SettingError, match="rows must be 3 numbers of swarms from 0 to 2"):
+        envs.copy_swarms(np.array(rows) if isinstance(rows[0], list) else rows)
+    np.testing.assert_array_equal(envs.observe(), before)
+    np.testing.assert_array_equal(envs.copy_swarms([0, 0, 2]), before[[0, 0, 2]])
+    np.testing.assert_array_equal(envs.reset(seed=0)[0], before)
+
+
+@pytest.mark.parametrize("chosen", [np.array([True]), np.array([1, 0, 1]), np.ones((1, 3), bool)])
+def test_flags_of_swarms_to_advance_are_one_for_each(chosen):
+    envs = SwarmVectorEnv(3, scenario="case3", iterations=5, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    with pytest.raises(SettingError, match="chosen must be 3 booleans"):
+        envs.step_running(np.tile([9.0, 0.0], (3, 1)), chosen)
+
+
+def test_seeds_may_be_an_array():
+    envs = SwarmVectorEnv(3, scenario="case3", iterations=5)
+    listed, _ = envs.reset(seed=[4, 5, 6])
+    np.testing.assert_array_equal(envs.reset(seed=np.arange(4, 7))[0], listed)

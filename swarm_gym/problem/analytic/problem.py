@@ -18,6 +18,8 @@ from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario, require_analy
 
 Floats = NDArray[np.float64]
 
+MOST_WAYPOINTS = 10_000
+
 
 @dataclass(frozen=True)
 class AnalyticProblem(MapProblem):
@@ -37,7 +39,7 @@ class AnalyticProblem(MapProblem):
 
     def __post_init__(self) -> None:
         require_analytic(self.scenario)
-        require_integer("num_waypoints", self.num_waypoints, 1)
+        require_integer("num_waypoints", self.num_waypoints, 1, MOST_WAYPOINTS)
         require_number("length_weight", self.length_weight, math.nextafter(0.0, 1.0), 1.0)
 
     @property

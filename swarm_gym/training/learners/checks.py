@@ -4,7 +4,9 @@ from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.training.algorithms import Evolution, GroupedOptions
+from swarm_gym.runs.seeds import ANALYSIS, VALIDATION
+from swarm_gym.scenarios import expand_name
+from swarm_gym.training.algorithms import Evolution, GradientOptions, GroupedOptions
 from swarm_gym.training.config import PAIRED, TrainConfig
 
 DEVICES = ("cpu", "cuda")
@@ -20,6 +22,7 @@ def require_options(config: TrainConfig) -> None:
         ValueError: naming the option and its value.
     """
     options = config.algorithm
+    _require_shared(config)
     if options.device not in DEVICES:
         raise UnknownNameError("device", options.device, DEVICES)
     if config.base != "none" and options.warm_start != "none":
@@ -55,6 +58,23 @@ def require_options(config: TrainConfig) -> None:
         raise ValueError(f"without a critic, gae_lambda must be 1, got {options.gae_lambda}")
     if has_groups(config) or options.noise_steps != 1:
         _require_common_length(config)
+
+
+def _require_shared(config: TrainConfig) -> None:
+    """Raise an error for options of all algorithms that are out of their ranges."""
+    require_integer("seed", config.seed, 0, 2**31 - 1)
+    require_integer("threads", config.threads, 1)
+    require_integer("total_steps", config.total_steps, 0, 10**12)
+    for name in ("iterations", "num_swarms", "rollouts_per_chunk"):
+        require_integer(name, getattr(config, name), 1)
+    require_integer("validation_seeds", config.validation_seeds, 1, ANALYSIS.start - VALIDATION.start)
+    for name in config.validation_scenarios:
+        expand_name(name)  # raises an error for one that does not exist
+    for size in config.hidden_layers:
+        require_integer("hidden_layers", size, 1)
+    if isinstance(config.algorithm, GradientOptions):
+        require_number("learning_rate", config.algorithm.learning_rate, 0.0, 1e9)
+        require_integer("batch_size", config.algorithm.batch_size, 1)
 
 
 def _require_joinable(config: TrainConfig) -> None:

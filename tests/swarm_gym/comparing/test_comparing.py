@@ -131,6 +131,16 @@ def test_bad_input_is_refused_before_anything_runs(arguments, error, message):
     assert begun == []
 
 
+def test_seeds_may_be_an_array_and_names_are_a_list():
+    seeds = np.arange(3, 5)
+    both = [compare(["fixed:8"], ["case3"], given, **SHORT).fitness for given in (seeds, [3, 4])]
+    np.testing.assert_array_equal(*both)
+    with pytest.raises(SettingError, match="controllers: expected a list of names, got <generator"):
+        compare((name for name in ["fixed:8"]), ["case3"])
+    with pytest.raises(SettingError, match="expected a controller as 'a', got 'fixed:20'"):
+        compare({"a": "fixed:20"}, ["case3"])
+
+
 def test_one_seed_is_enough_for_a_set_of_scenarios():
     assert compare(["fixed:8"], ["rooms:0-1"], [0], **SHORT, encoding="bezier").fitness.shape == (1, 2, 1)
 
