@@ -108,7 +108,11 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
 def quiet_without_readers() -> Iterator[None]:
     """End with status 141 where nobody reads standard output any more; so commands write, then print."""
     try:
-        yield
+        try:
+            yield
+        except SystemExit:  # after a help text
+            sys.stdout.flush()
+            raise
         sys.stdout.flush()
     except BrokenPipeError:
         if not _reader_is_gone():

@@ -5,7 +5,8 @@ The options are the scenario, and the size, source or content of the first popul
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias, cast
+from numbers import Real
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,12 +147,18 @@ def _read_source(options: Mapping[str, object], settings: Settings) -> Source:
     return source
 
 
+def _are_numbers(array: NDArray[Any]) -> bool:
+    """Return whether an array has real numbers only, and no booleans."""
+    if array.dtype.kind != "O":
+        return array.dtype.kind in "fiu"
+    return all(isinstance(one, Real) and not isinstance(one, bool) for one in array.flat)
+
+
 def _read_population(population: object, worlds: Worlds, scenario: int | None) -> Floats:
     n = worlds.problems[0].dimension
     try:
         given = np.asarray(population)
-        numbers = given.dtype.kind in "fiu" or all(isinstance(one, int | float) for one in given.flat)
-        if not numbers or any(isinstance(one, bool) for one in given.flat) or np.ma.is_masked(population):
+        if not _are_numbers(given) or np.ma.is_masked(population):
             raise TypeError
         with np.errstate(over="ignore"):  # becomes infinite, which is refused below
             array = given.astype(np.float64)
