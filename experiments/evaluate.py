@@ -25,6 +25,7 @@ from experiments.documents.suite_page import (
 )
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
+from experiments.runs.groups import scenario_sets
 from experiments.runs.runner import refuse_missing, run_missing
 from experiments.runs.suite import Suite
 from experiments.tables.headline import objectives_as_text
@@ -71,10 +72,12 @@ def evaluate(config: EvaluateConfig) -> Path:
     if config.controllers:
         suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
     if config.seeds is not None:
-        least = min(2, suite.num_seeds)  # where one is enough, the tables are over many scenarios
-        if config.seeds < least:
-            raise ResultsError(f"--seeds must be at least {least}, got {config.seeds}")
+        if config.seeds < 1:
+            raise ResultsError(f"--seeds must be at least 1, got {config.seeds}")
         suite = dataclasses.replace(suite, num_seeds=config.seeds)
+    fewest = suite.num_seeds * min(map(len, scenario_sets(suite.scenarios).values()))
+    if fewest < 2:
+        raise ResultsError(f"intervals need 2 runs of each set of scenarios, got {fewest}; raise --seeds")
     database = config.database or config.output / f"{suite.name}.sqlite"
     if not config.simulate and not database.exists():
         raise ResultsError(f"{database} does not exist, and --no-simulate forbids to make its runs")

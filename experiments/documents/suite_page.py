@@ -14,6 +14,7 @@ from experiments.runs.suite import Suite
 from experiments.tables.document import MADE_WITH
 from experiments.tables.table import Table, write_tables_page
 from swarm_gym.checks import look_up
+from swarm_gym.comparing.entrants import with_encoding
 from swarm_gym.files import write_atomically
 
 
@@ -35,7 +36,8 @@ def outcomes_of(suite: Suite, results: Results) -> Outcomes:
     Raises:
         ResultsError: if a run of the suite is missing.
     """
-    return results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
+    options = with_encoding(optimizers_of(suite), suite.options)
+    return results.outcomes(suite.controllers, suite.seeds, options, suite.alone)
 
 
 def record_of_suite(suite: Suite, results: Results) -> Record:

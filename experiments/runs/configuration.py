@@ -7,7 +7,7 @@ from agents import CONTROLLERS, Controller
 from experiments.runs.entries import FROM_CONTENT, IDENTITIES, KEY
 from experiments.runs.episode import controller_of
 from experiments.runs.experiment import Experiment
-from swarm_gym.comparing.entrants import entrant
+from swarm_gym.comparing.entrants import entrant, with_encoding
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of
@@ -41,8 +41,18 @@ def configuration(experiment: Experiment) -> dict[str, Any]:
 
 def identities(experiment: Experiment) -> dict[str, Any]:
     """Return what each controller of an experiment is, by its name in the experiment."""
-    names = {name: entrant(name, experiment.optimizer).controller for name in experiment.controllers}
-    return {name: identity(controller, controller_of(controller)) for name, controller in names.items()}
+    found = {}
+    for name in experiment.controllers:
+        optimizer, controller, _ = entrant(name, experiment.optimizer)
+        found[name] = identity(controller, controller_of(controller))
+        if optimizer != experiment.optimizer and _may_change(optimizer):
+            found[name] = [found[name], origin_of("optimizer", optimizer)]
+    return found
+
+
+def _may_change(optimizer: str) -> bool:
+    """Return whether an optimizer is code of the user, which has no version."""
+    return optimizer not in ALL_OPTIMIZERS and not optimizer.startswith("swarm_gym.")
 
 
 def identity(name: str, controller: Controller) -> Any:
@@ -60,8 +70,12 @@ def environment_configuration(experiment: Experiment) -> dict[str, Any]:
     found: dict[str, Any] = {"optimizer": experiment.optimizer, "settings": stated(settings)}
     if experiment.optimizer not in ALL_OPTIMIZERS:
         found["optimizer"] = f"{experiment.optimizer}, {origin_of('optimizer', experiment.optimizer)}"
+    # Given ones win over those of controllers.
+    found |= {name: experiment.options.get(name) for name in ("max_evaluations", "price")}
+    optimizers = {entrant(name, experiment.optimizer).optimizer for name in experiment.controllers}
+    options: dict[str, Any] = with_encoding(optimizers, experiment.options)
     for name in experiment.scenarios:
-        problem = make_problem(name, **experiment.options)
+        problem = make_problem(name, **options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found
 

@@ -8,7 +8,7 @@ the runs of a controller that has changed are kept aside.
 import json
 import os
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from itertools import product
 from pathlib import Path
@@ -81,6 +81,10 @@ class Results:
             self._check_columns()
             self.changed = self._keep_aside(configuration or {})
             self._adopt(self._compare(configuration or {}))
+            controllers = {key: value for key, value in (configuration or {}).items() if key.startswith(KEY)}
+            self._identities: dict[str, str] = {
+                key.removeprefix(KEY): _json(value) for key, value in controllers.items()
+            }
 
     @classmethod
     def in_memory(cls) -> "Results":
@@ -100,7 +104,7 @@ class Results:
             )
         results = cls.__new__(cls)
         results.changed = []
-        with results._opened(path, _read_only_uri(path)):
+        with results._opened(path, _read_only_uri(path), uri=True):
             results._check_columns()
             results._compare(configuration or {})
         return results
@@ -111,25 +115,28 @@ class Results:
 
     def configuration(self) -> dict[str, Any]:
         """Return the configuration of the stored runs, by key."""
-        rows = self.connection.execute("SELECT key, value FROM configuration ORDER BY key")
-        return {key: json.loads(value) for key, value in rows}
+        rows = self._rows("SELECT key, value FROM configuration ORDER BY key")
+        return {key: self._value(value) for key, value in rows}
 
     def finished(self) -> set[RunKey]:
         """Return the keys of the stored runs."""
-        return set(self.connection.execute("SELECT controller, scenario, seed FROM runs"))
+        return set(self._rows("SELECT controller, scenario, seed FROM runs"))
 
     def add(self, *runs: Run) -> None:
         """Store runs and their snapshots in one transaction; a run that is already stored stays unchanged.
 
         Raises:
-            ResultsError: if the file cannot be written; runs that were stored before are still there.
+            ResultsError: if the file cannot be written, a number is missing in a run, or another process has
+                stored that a controller has changed; runs that were stored before are still there.
         """
         with self.writing() as connection:
+            self._require_unchanged({run.controller for run in runs})
             connection.executemany(
-                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", map(_row, runs)
+                "INSERT INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
+                map(_row, runs),
             )
             connection.executemany(
-                "INSERT OR IGNORE INTO snapshots VALUES (?, ?, ?, ?, ?, ?)",
+                "INSERT INTO snapshots VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
                 [
                     (*_key(run), kept.iteration, kept.paths.tobytes(), kept.collisions.tobytes())
                     for run in runs
@@ -151,8 +158,7 @@ class Results:
             "WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
         )
         key = (controller, scenario, first_seed, first_seed + num_seeds)
-        with closing(self.connection.execute(query, key)) as rows:
-            return [_run(row) for row in rows]
+        return [_run(row) for row in self._rows(query, key)]
 
     def outcomes(
         self,
@@ -180,10 +186,9 @@ class Results:
             "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds "
             "FROM runs"
         )
-        with closing(self.connection.execute(query)) as found:
-            for controller, scenario, seed, *numbers in found:
-                if controller in rows and (scenario, seed) in columns:
-                    values[:, rows[controller], *columns[scenario, seed]] = numbers
+        for controller, scenario, seed, *four in self._rows(query):
+            if controller in rows and (scenario, seed) in columns:
+                values[:, rows[controller], *columns[scenario, seed]] = four
         for (c, controller), (s, scenario) in product(enumerate(controllers), enumerate(seeds)):
             there = num_seeds - np.isnan(values[0, c, s]).sum()
             if there < num_seeds:
@@ -209,12 +214,11 @@ class Results:
             seeds: seeds by name of the scenario.
         """
         query = "SELECT controller, scenario, seed, provenance FROM runs"
-        with closing(self.connection.execute(query)) as rows:
-            found = {
-                provenance
-                for controller, scenario, seed, provenance in rows
-                if controller in controllers and seed in seeds.get(scenario, ())
-            }
+        found = {
+            provenance
+            for controller, scenario, seed, provenance in self._rows(query)
+            if controller in controllers and seed in seeds.get(scenario, ())
+        }
         return [json.loads(provenance) for provenance in sorted(found)]
 
     def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
@@ -224,17 +228,42 @@ class Results:
             "WHERE controller = ? AND scenario = ? AND seed = ? ORDER BY iteration"
         )
         found = []
-        for iteration, paths, collisions in self.connection.execute(query, (controller, scenario, seed)):
+        for iteration, paths, collisions in self._rows(query, (controller, scenario, seed)):
             members = np.frombuffer(collisions)
             found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
         return found
 
+    def _rows(self, query: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
+        """Return the rows of a query; raise ResultsError where the file is damaged."""
+        try:
+            return self.connection.execute(query, tuple(values)).fetchall()
+        except sqlite3.Error as error:
+            raise ResultsError(f"{self.path}: cannot be read ({error})") from error
+
+    def _value(self, text: str) -> Any:
+        try:
+            return json.loads(text)
+        except ValueError as error:
+            raise ResultsError(f"{self.path}: a damaged value in its configuration ({error})") from error
+
+    def _require_unchanged(self, controllers: Collection[str]) -> None:
+        """Raise ResultsError if the database says by now that a controller is another one."""
+        stored = dict(self.connection.execute("SELECT key, value FROM configuration"))
+        for name in sorted(controllers):
+            mine = self._identities.get(name)
+            if mine is not None and stored.get(KEY + name, mine) != mine:
+                raise ResultsError(
+                    f"{self.path}: {name} has changed meanwhile, and another process stores runs of the new "
+                    "one; run the command again"
+                )
+
     @contextmanager
-    def _opened(self, path: Path, name: str) -> Iterator[None]:
+    def _opened(self, path: Path, name: str, uri: bool = False) -> Iterator[None]:
         """Connect to a file, `name` for SQLite, and close it again if it proves unusable."""
         self.path = path
+        self._identities = {}
         try:
-            self.connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=name.startswith("file:"))
+            self.connection: sqlite3.Connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=uri)
         except sqlite3.Error as error:
             raise ResultsError(f"{path}: cannot be opened ({error})") from error
         try:

@@ -79,22 +79,36 @@ def keep_aside(connection: sqlite3.Connection, new: Mapping[str, str]) -> list[s
         new: identities of controllers by name, as JSON.
     """
     identities = _identities(connection)
-    notices = []
+    notices, names = [], set(identities)
     for name, identity in new.items():
         if identities.get(name, identity) == identity:
             continue
         if not _count(connection, name):
             _forget(connection, name)
             continue
-        before = digest_of(identities[name])
-        kept = f"{name}{ASIDE}{before}"
-        _forget(connection, kept)  # the same runs were made before, and changed back
-        count = rename(connection, name, kept)
+        before, after = digest_of(identities[name]), digest_of(identity)
+        kept, known = f"{name}{ASIDE}{before}", f"{name}{ASIDE}{after}"
+        count = _count(connection, name)
+        _move(connection, name, kept)
+        again = (
+            f"its {_move(connection, known, name)} runs of before are used again, and"
+            if known in names
+            else "and"
+        )
         notices.append(
-            f"{name} has changed since its runs, from digest {before} to {digest_of(identity)};\n"
-            f"  its {count} runs are kept as {kept}, and new ones are made"
+            f"{name} has changed since its runs, from digest {before} to {after};\n"
+            f"  its {count} runs are kept as {kept}, {again} new ones are made"
         )
     return notices
+
+
+def _move(connection: sqlite3.Connection, name: str, new: str) -> int:
+    """Rename an entry, or add its runs to those of the new name, and return how many these are."""
+    for table in TABLES:
+        connection.execute(f"UPDATE OR IGNORE {table} SET controller = ? WHERE controller = ?", (new, name))
+    connection.execute("UPDATE OR REPLACE configuration SET key = ? WHERE key = ?", (KEY + new, KEY + name))
+    _forget(connection, name)  # runs that were there under the new name, too
+    return _count(connection, new)
 
 
 def require_identities(path: str, stored: Mapping[str, str]) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from swarm_gym.checks import require_integer
 from swarm_gym.comparing.compared_runs import ComparedRuns, least_evaluations_of, optima_of
-from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate
+from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate, with_encoding
 from swarm_gym.controllers import Controller, make_controller_for
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
@@ -73,7 +73,8 @@ def compare(
     else:
         entrants = [entrant(name, optimizer) for name in controllers]
         runners = [(runs, make_controller_for(runs.optimizer, runs.controller, options)) for runs in entrants]
-    optima, least = optima_of(names, options), least_evaluations_of(names, options)
+    optima = optima_of(names, with_encoding([runs.optimizer for runs, _ in runners], options))
+    least = least_evaluations_of(names, options)
     found = np.empty((3, len(runners), len(names), len(seeds)))
     for k, (label, (runs, controller)) in enumerate(zip(controllers, runners, strict=True)):
         report(label)

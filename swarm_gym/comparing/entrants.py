@@ -5,7 +5,7 @@ of the optimizer `multivariate`. `multivariate(50)+fixed:65` runs in episodes of
 entrant, since parameters may follow a schedule over the episode.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.names import ControllerName
+from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import is_own
 from swarm_gym.registration import environment_id
+
+WAYPOINTS = "waypoints"  # the default of environments, or what stands for it on kinds of maps without them
 
 
 class Entrant(NamedTuple):
@@ -51,6 +54,24 @@ def entrant(name: str, optimizer: str) -> Entrant:
             look_up(f"optimizer in {name!r}:", parts.optimizer, ALL_OPTIMIZERS)
         get_optimizer(parts.optimizer)
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)
+
+
+def with_encoding(optimizers: Iterable[str], options: Mapping[str, object]) -> dict[str, object]:
+    """Return the options of environments with the encoding that these optimizers have, where none is given.
+
+    Optima depend on it.
+
+    Raises:
+        SettingError: if the optimizers have different ones by default, whose costs cannot be compared.
+    """
+    if "encoding" in options:
+        return dict(options)
+    known = {name: get_optimizer(name).encodings[0] for name in optimizers}
+    found = sorted(set(known.values()))
+    if len(found) > 1:
+        listed = ", ".join(f"{encoding!r} of {name}" for name, encoding in known.items())
+        raise SettingError(f"optimizers have different encodings, whose costs cannot be compared: {listed}")
+    return dict(options) if found in ([], [WAYPOINTS]) else {**options, "encoding": found[0]}
 
 
 def options_of(runs: Entrant, controller: Controller, options: Mapping[str, object]) -> dict[str, object]:

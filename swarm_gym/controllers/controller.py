@@ -169,6 +169,17 @@ class Wrapper(Controller):
         self._iterations = np.full(num_swarms, -1)
         self._controller.reset(num_swarms, seed)
 
+    def stretched(self, factor: float) -> Self:
+        """Return a wrapper of the stretched controller, see `Controller.stretched`.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one that it was made for.
+        """
+        other = super().stretched(factor)
+        other._controller = self._controller.stretched(factor)
+        other.corrects = other._controller.corrects
+        return other
+
     def _count(self, observations: NDArray) -> NDArray[np.int64]:
         """Return (B,) the iterations of the swarms; iteration 0 in an observation begins an episode."""
         begins = observations[:, ITERATION] == 0

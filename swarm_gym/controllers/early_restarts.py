@@ -37,7 +37,8 @@ class EarlyRestarts(Rule):
     Attributes:
         start: size of the first run.
         later: size of later runs, where the first one was short.
-        short: largest share of the evaluation budget that a short first run spends.
+        short: largest share of the evaluation budget that a short first run spends. Without a budget, each
+            first run is short.
         wait: generations without an improvement of the best fitness after which a run may end.
         step: largest step size at which such a run ends, relative to that of its beginning.
     """

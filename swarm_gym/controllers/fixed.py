@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller, Floats, NeededOptions, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
-from swarm_gym.errors import shown
+from swarm_gym.errors import SettingError, shown
 from swarm_gym.sources import SOURCE_RANGES, Source
 
 LARGEST = 10_000
@@ -59,7 +59,13 @@ class Fixed(Controller):
                 f"controller {shown(f'fixed:{argument}')}: expected a population size, e.g. fixed:60 or "
                 "fixed:60,smooth_share=1"
             )
-        source = Source(**parse_parameters(rest, FIRST_SOURCE)) if rest else None
+        given = parse_parameters(rest, FIRST_SOURCE) if rest else {}
+        source = Source(**given) if rest else None
+        if source is not None and "amplitude" in given and source.smooth_share == 0.0:
+            raise SettingError(
+                f"controller {shown(f'fixed:{argument}')}: amplitude has no effect with uniform members; "
+                "remove it, or give smooth_share above 0, too"
+            )
         return cls(int(size), limits, source)
 
     def env_options(self) -> NeededOptions:

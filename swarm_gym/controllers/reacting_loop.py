@@ -34,6 +34,14 @@ class ReactingLoop(Wrapper):
         self.loop = loop
         self.observation = "paper+jumps"
 
+    def stretched(self, factor: float) -> "ReactingLoop":
+        """Return the reacting loop of the open loop that is stretched, see `OpenLoop.stretched`.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one that it was made for.
+        """
+        return ReactingLoop(self.loop.stretched(factor))
+
     def identity(self) -> object:
         """Return the identity of the open loop."""
         return "reacting loop", self.loop.identity()

@@ -92,9 +92,9 @@ class EvaluationReduction(LinearReduction):
     observation: str = "rich"
 
     def _share_done(self, observations: Floats) -> Floats:
-        spent = np.round(observations[:, column(self.observation, SHARE_SPENT)], 6)
+        spent = observations[:, column(self.observation, SHARE_SPENT)]
         # The first population has spent some of a budget.
-        return np.where(spent > 0.0, spent, super()._share_done(observations))
+        return np.where(spent > 0.0, np.round(spent, 6), super()._share_done(observations))
 
 
 @dataclass

@@ -40,7 +40,7 @@ class Settings:
             mueff_bad = bad.sum() ** 2 / (bad**2).sum()
             share = min(
                 1 + self.c1 / self.cmu,
-                1 + 2 * mueff_bad / (mueff_bad + 2),
+                1 + 2 * mueff_bad / (self.mueff + 2),
                 (1 - self.c1 - self.cmu) / (n * self.cmu),
             )
             self.weights[self.mu :] = share * bad / abs(bad.sum())

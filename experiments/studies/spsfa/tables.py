@@ -32,8 +32,6 @@ from experiments.tables.cell import (
 )
 from experiments.tables.table import Row, Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.reference import known_optimum
-from swarm_gym.worlds import make_problem
 
 MINIMUM_TOLERANCE = 0.01  # of the published minimum
 MEAN_TOLERANCE = 0.02  # of the published mean, beyond our interval
@@ -48,7 +46,9 @@ def summary_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         }
         for controller in suite.controllers
     ]
-    optima = {name: number(known_optimum(make_problem(name))) for name in suite.scenarios}
+    optima = {
+        name: number(optimum) for name, optimum in zip(outcomes.scenarios, outcomes.optima, strict=True)
+    }
     caption = f"Mean final fitness (95 % interval) at mean evaluations, {suite.num_seeds} test seeds"
     return [Table.of("summary", caption, [*rows, {"controller": "true optimum", **optima}])]
 
@@ -74,7 +74,7 @@ def case_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
-    optimum = known_optimum(make_problem(scenario))
+    optimum = outcomes.optima[outcomes.scenarios.index(scenario)]
     unit = optimum or np.nan  # there is no gap relative to an optimum of 0
     rows: list[Row] = []
     for controller in suite.controllers:

@@ -98,6 +98,8 @@ class Base:
         """Return the base with its controller stretched, see `Controller.stretched`."""
         other = copy.copy(self)
         other.controller = self.controller.stretched(factor)
+        if self.iteration_unit == 1:  # else a share of the iterations, which stays
+            other.corrected_from = round(factor * self.corrected_from)
         return other
 
     def features(self, observation: str) -> list[str]:

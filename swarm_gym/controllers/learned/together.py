@@ -49,6 +49,14 @@ class Together(Controller):
         self.max_evaluations, self.price = first.max_evaluations, first.price
         self.corrects, self.made_for, self.needed_limits = first.corrects, first.made_for, first.needed_limits
 
+    def stretched(self, factor: float) -> "Together":
+        """Return the policies together, each stretched, see `Controller.stretched`.
+
+        Args:
+            factor: number of iterations of an episode, relative to the one of their training.
+        """
+        return Together([part.stretched(factor) for part in self._parts])
+
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes."""
         for part in self._parts:

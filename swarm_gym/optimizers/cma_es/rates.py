@@ -52,7 +52,7 @@ def write_weights(weights: Floats, dimension: int) -> Rates:
     total = 1.0
     if negative > 0.0:
         opposing = negative * negative / negative_squares
-        share = min(1.0 + rank_one / rank_mu, 1.0 + 2.0 * opposing / (opposing + 2.0))  # eq. 50, 51
+        share = min(1.0 + rank_one / rank_mu, 1.0 + 2.0 * opposing / (effective + 2.0))  # eq. 50, 51
         share = min(share, (1.0 - rank_one - rank_mu) / (n * rank_mu))  # eq. 52
         total -= share
         for i in range(parents, size):

@@ -1,5 +1,6 @@
 """Results that grow: a controller that has changed is a new entry, and entries can be listed and moved."""
 
+import dataclasses
 from contextlib import closing
 
 import numpy as np
@@ -49,12 +50,52 @@ def test_runs_of_a_controller_that_has_changed_are_kept_aside(tmp_path):
         assert notice.endswith(f"{kept}, and new ones are made")
         assert [run.final_fitness for run in changed.runs(kept, "case1", 4)] == before
         assert len(changed.runs(NAME, "case1", 4)) == 2
-    # Changed back: what was kept aside is made anew under the name; runs between are kept.
-    with closing(filled(path, "first", seeds=1)) as back:
-        assert len(back.changed) == 1
-    assert sorted(names_of(path).values()) == [1, 2, 4, 4]
-    with closing(filled(path, "first", seeds=1)) as again:
-        assert again.changed == []
+    # Changed back: what was kept aside is used again; runs between are kept.
+    for seeds, expected in ((1, [2, 4, 4]), (5, [2, 5, 5])):
+        with closing(filled(path, "first", seeds=seeds)) as back:
+            assert len(back.changed) == (seeds == 1)
+            assert all("its 4 runs of before are used again" in notice for notice in back.changed)
+            assert [run.final_fitness for run in back.runs(NAME, "case1", 4)] == before
+        assert sorted(names_of(path).values()) == expected
+    # Runs of both versions stay, whichever comes back how often.
+    for identity in ("second", "first", "second"):
+        with closing(filled(path, identity, seeds=3)) as changed:
+            assert len(changed.changed) == 1
+    assert sorted(names_of(path).values()) == [3, 5, 5]
+
+
+def test_runs_of_a_controller_that_another_process_has_changed_are_refused(tmp_path):
+    path = tmp_path / "a.sqlite"
+    with closing(filled(path, "first", seeds=1)) as slow:
+        filled(path, "second", seeds=1).close()
+        before = names_of(path)
+        with pytest.raises(ResultsError, match=f"{NAME} has changed meanwhile.*run the command again"):
+            slow.add(*(dataclasses.replace(run, seed=7) for run in slow.runs(NAME, "case1", 1)))
+    assert names_of(path) == before
+
+
+def read_all(path):
+    """Read all runs of a database."""
+    with closing(Results.stored(path)) as results:
+        return results.finished(), results.runs(NAME, "case1", 40)
+
+
+def test_a_damaged_database_is_named_in_a_line(tmp_path):
+    path = tmp_path / "a.sqlite"
+    with closing(filled(path, "first", seeds=40)) as results:
+        results.connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    whole = bytearray(path.read_bytes())
+    whole[8192 : len(whole) - 4096] = bytes(len(whole) - 12288)
+    path.write_bytes(whole)
+    with pytest.raises(ResultsError, match=r"a\.sqlite: (cannot be read|not a usable results database)"):
+        read_all(path)
+
+
+def test_a_run_without_a_number_is_refused(tmp_path):
+    with closing(filled(tmp_path / "a.sqlite", "first", seeds=1)) as results:
+        [run] = results.runs(NAME, "case1", 1)
+        with pytest.raises(ResultsError, match="final_fitness"):
+            results.add(dataclasses.replace(run, seed=3, final_fitness=float("nan")))
 
 
 def test_other_settings_are_refused_in_few_words_and_change_nothing(tmp_path):

@@ -213,7 +213,11 @@ def test_what_is_no_database_is_refused(copied, content):
     ("options", "error", "message"),
     [
         ({"where": BackendOptions(jobs=-1)}, ValueError, "--jobs must be positive"),
-        ({"suite": "paper", "seeds": 1}, ResultsError, "at least 2"),
+        (
+            {"suite": "paper", "seeds": 1},
+            ResultsError,
+            "intervals need 2 runs of each set of scenarios, got 1",
+        ),
         ({"suite": "generalisation", "seeds": 0}, ResultsError, "at least 1"),
         ({"suite": "everything"}, UnknownNameError, r"unknown suite 'everything'; valid: .* in all"),
     ],

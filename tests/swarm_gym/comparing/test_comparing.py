@@ -11,7 +11,9 @@ from experiments.studies.spsfa.suites import PAPER
 from swarm_gym.comparing import ComparedRuns, compare
 from swarm_gym.comparing.command_line import main
 from swarm_gym.comparing.compared_runs import COLUMNS
+from swarm_gym.comparing.entrants import iterate
 from swarm_gym.controllers import make_controller
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 
 SHORT = {"iterations": 6}
@@ -192,3 +194,16 @@ def test_the_command_ends_with_a_message_for_bad_input(options):
     with pytest.raises(SystemExit) as ended:
         main(["fixed:8", *options])
     assert str(ended.value.code).startswith("error: ")
+
+
+def test_gaps_are_to_the_optimum_of_the_optimizers_encoding():
+    runs = compare(["fixed:8"], ["case1"], range(2), "ant-colony", iterations=5)
+    env = SwarmEnv("ant-colony", scenario="case1", iterations=5, initial_population_size=8)
+    controller = make_controller("fixed:8")
+    for seed in range(2):
+        *_, info = iterate(env, controller, seed)
+        assert runs.gap[0, 0, seed] == pytest.approx(info["optimality_gap"])
+    with pytest.raises(
+        SettingError, match=r"different encodings.*'waypoints' of firefly, 'walk' of ant-colony"
+    ):
+        compare(["fixed:8", "ant-colony+fixed:8"], ["case1"], range(2), iterations=5)

@@ -55,3 +55,18 @@ def test_a_reacting_loop_has_the_options_of_the_open_loop_but_sees_more():
 def test_other_names_are_refused(argument):
     with pytest.raises(OpenLoopFileError):
         make_controller(f"reacting-loop:{argument}")
+
+
+def test_controllers_around_others_are_stretched_with_them():
+    loop = make_controller("reacting-loop:dynamic-reacting/0@1")
+    assert list(loop.stretched(2).loop.knots.iterations) == list(loop.loop.stretched(2).knots.iterations)
+    assert loop.stretched(2).identity() != loop.identity()
+    together = make_controller("together:three-cases@1").stretched(4)
+    alone = make_controller("learned:three-cases/0@1")
+    knots = list(alone.stretched(4).corrects.knots.iterations)
+    assert knots == [4 * knot for knot in alone.corrects.knots.iterations]
+    assert list(together.corrects.knots.iterations) == knots
+    assert all(list(part.corrects.knots.iterations) == knots for part in together._parts)
+    base = alone._base
+    assert base.iteration_unit == 1
+    assert base.stretched(4).corrected_from == 4 * base.corrected_from

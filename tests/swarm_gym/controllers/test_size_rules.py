@@ -11,6 +11,7 @@ from swarm_gym.controllers.rule import BEST_FITNESS, column
 from swarm_gym.controllers.size_rules import DIVERSITY
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
+from swarm_gym.observation import make_observation
 
 FAMILIES = ["linear-reduction", "lpsr", "nlpsr", "diversity-ladder", "status-monitor"]
 ITERATIONS = 40
@@ -61,6 +62,17 @@ def test_published_reduction_falls_with_the_evaluations(optimizer):
     assert sizes == expected
     assert info["evaluations"] == 900
     assert sizes[-1] <= 5
+
+
+def test_published_reduction_knows_a_budget_of_which_hardly_anything_is_spent():
+    controller = make_controller("lpsr:start=100,smallest=4")
+    seen = np.zeros((1, len(make_observation("rich").features)))
+    controller.reset(1)
+    controller.act(seen)
+    seen[0, column("rich", "share of the evaluation budget spent")] = 1e-7
+    seen[0, column("rich", "share of the iterations done")] = 0.5
+    seen[0, 3] = 10.0
+    assert controller.act(seen)[0, 0] == 100
 
 
 def test_published_reduction_falls_with_the_iterations_without_a_budget():
