@@ -58,8 +58,8 @@ def test_runs_of_a_controller_that_has_changed_are_kept_aside(tmp_path):
             assert [run.final_fitness for run in back.runs(NAME, "case1", 4)] == before
         assert sorted(names_of(path).values()) == expected
     # Runs of both versions stay, whichever comes back how often.
-    for identity in ("second", "first", "second"):
-        with closing(filled(path, identity, seeds=3)) as changed:
+    for version in ("second", "first", "second"):
+        with closing(filled(path, version, seeds=3)) as changed:
             assert len(changed.changed) == 1
     assert sorted(names_of(path).values()) == [3, 5, 5]
 
