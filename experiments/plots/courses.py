@@ -110,7 +110,8 @@ def draw_convergence(case: CaseRuns) -> Figure:
     for controller, runs in case.runs.items():
         courses, spent = columns(runs, "best_fitness"), columns(runs, "evaluations")
         _draw_iterations(by_iteration, case, controller, courses, np.median)
-        grid = np.geomspace(spent[:, 0].max(), spent[:, -1].max(), EVALUATIONS_RESOLUTION)
+        last = max(run.evaluations for run in runs)  # columns end in NaN where a budget was spent before
+        grid = np.geomspace(spent[:, 0].max(), last, EVALUATIONS_RESOLUTION)
         reached = best_by_evaluations(courses, spent, grid)
         _draw_course(by_evaluations, case, controller, grid, reached, np.median)
         first = min(first, float(np.median(spent[:, 1])))

@@ -101,6 +101,7 @@ def convergence_iteration(course: Floats) -> int:
     """Return the first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
 
     Args:
-        course: (T + 1,) best fitness so far.
+        course: (T + 1,) best fitness so far; NaN after the end of a run whose budget was spent before.
     """
+    course = course[~np.isnan(course)]
     return int(np.argmax(course - course[-1] <= STILL_TO_COME * (course[0] - course[-1])))

@@ -46,7 +46,7 @@ def by_iterations(runs: list[Run]) -> tuple[NDArray, Floats]:
 def by_evaluations(runs: list[Run]) -> tuple[NDArray, Floats]:
     """Return numbers of evaluations (m,), and the best fitness (runs, m) after these."""
     best, spent = columns(runs, "best_fitness"), columns(runs, "evaluations")
-    at = np.geomspace(spent[:, 0].max(), spent[:, -1].max(), MOST_POINTS)
+    at = np.geomspace(spent[:, 0].max(), max(run.evaluations for run in runs), MOST_POINTS)
     return at, best_by_evaluations(best, spent, at)
 
 

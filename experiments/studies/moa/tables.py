@@ -84,7 +84,7 @@ def _success_rows(
             "task": task,
             "threshold": number(threshold, "g"),
             "method": label(name),
-            "success": number(np.mean([run.course("best_fitness")[-1] < threshold for run in found]), ".2f"),
+            "success": number(np.mean([run.final_fitness < threshold for run in found]), ".2f"),
             "evaluations to success": number(
                 np.mean([evaluations_to(run, threshold) for run in found]), ",.0f"
             ),
@@ -103,7 +103,7 @@ def evaluations_to(run: Run, threshold: float) -> float:
     Return all evaluations of the run if it never did.
     """
     below = np.flatnonzero(run.course("best_fitness") < threshold)
-    return float(run.course("evaluations")[below[0] if below.size else -1])
+    return float(run.course("evaluations")[below[0]]) if below.size else float(run.evaluations)
 
 
 def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:

@@ -169,6 +169,25 @@ def user_settings():
     return {name: mpl.rcParams[name] for name in mpl.rcParams.copy().keys() - {"backend"}}
 
 
+def test_convergence_reaches_the_last_evaluation_of_runs_that_a_budget_ends(case):
+    ended = {}
+    for controller, runs in case.runs.items():
+        spent = [int(run.course("evaluations")[-4]) for run in runs]
+        traces = [
+            np.where(np.arange(len(run.trace))[:, None] > len(run.trace) - 4, np.nan, run.trace)
+            for run in runs
+        ]
+        ended[controller] = [
+            dataclasses.replace(run, trace=trace, evaluations=last)
+            for run, trace, last in zip(runs, traces, spent, strict=True)
+        ]
+    _, by_evaluations = draw_convergence(dataclasses.replace(case, runs=ended)).axes
+    for controller in CONTROLLERS:
+        x, y = line(by_evaluations, label(controller))
+        assert x[-1] == pytest.approx(max(run.evaluations for run in ended[controller]))
+        assert np.isfinite(y).all()
+
+
 def test_settings_of_the_user_neither_matter_nor_change(case):
     def drawn():
         with settings():

@@ -90,6 +90,7 @@ def test_a_function_is_known_by_its_scenarios():
         ([1001.0, 2.0001, 2.0, 1.0], 2),  # a thousandth of 1000 is still to come
         ([1001.0, 2.0001, 2.0001, 1.0], 3),
         ([8.0, 1.0], 1),
+        ([9.0, 4.0, 1.0, 1.0, np.nan, np.nan], 2),  # a budget ended the run
     ],
 )
 def test_a_run_has_converged_when_a_thousandth_of_its_gain_is_still_to_come(course, iteration):
