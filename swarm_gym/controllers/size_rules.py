@@ -157,6 +157,9 @@ class StatusMonitor(SizeRule):
     project's defaults: episodes of a hundred iterations leave no time for small steps, and fireflies improve
     their best solution by a little in nearly every iteration.
 
+    The observed logarithm is at most 4. Where the best fitness is above 54 times its lower bound, progress is
+    not seen, and counts as stagnation.
+
     Attributes:
         patience: number of consecutive iterations with, or without, an improvement that changes the size.
         improvement: smallest fall of the logarithm of the best fitness that counts as an improvement.

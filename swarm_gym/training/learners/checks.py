@@ -3,10 +3,11 @@
 from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.runs.seeds import ANALYSIS, VALIDATION
 from swarm_gym.scenarios import expand_name
-from swarm_gym.training.algorithms import Evolution, GradientOptions, GroupedOptions
+from swarm_gym.training.algorithms import Evolution, GradientOptions, GroupedOptions, RecurrentPPO
 from swarm_gym.training.config import PAIRED, TrainConfig
 
 DEVICES = ("cpu", "cuda")
@@ -72,9 +73,20 @@ def _require_shared(config: TrainConfig) -> None:
         expand_name(name)  # raises an error for one that does not exist
     for size in config.hidden_layers:
         require_integer("hidden_layers", size, 1)
+    if isinstance(config.algorithm, RecurrentPPO):
+        _require_iterations(config)
     if isinstance(config.algorithm, GradientOptions):
         require_number("learning_rate", config.algorithm.learning_rate, 0.0, 1e9)
         require_integer("batch_size", config.algorithm.batch_size, 1)
+
+
+def _require_iterations(config: TrainConfig) -> None:
+    """Raise an error if policies with a memory would not see where an episode begins."""
+    if any(feature.needs_bits for feature in make_observation(config.observation).features):
+        raise ValueError(
+            f"observation {config.observation!r} has no iteration, by which {config.algorithm.name} begins "
+            "its memory; choose another algorithm"
+        )
 
 
 def _require_joinable(config: TrainConfig) -> None:

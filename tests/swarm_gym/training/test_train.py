@@ -176,6 +176,10 @@ def test_a_stored_configuration_that_is_unreadable_or_another_is_not_resumed(tmp
             {"reward": "paired", "reference": "fixed:4,smooth_share=1"},
             "policy with 4 from the source None, theirs from .*smooth_share=1.0",
         ),
+        (
+            {"algorithm": "recurrent-ppo", "observation": "theory-scaled"},
+            "'theory-scaled' has no iteration, by which recurrent-ppo begins its memory",
+        ),
         ({"rollouts_per_chunk": 0}, r"rollouts_per_chunk must lie in \[1, \d+\], got 0"),
         ({"num_swarms": 0}, "num_swarms must lie in"),
         ({"iterations": 0}, "iterations must lie in"),
