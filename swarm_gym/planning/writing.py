@@ -159,7 +159,7 @@ def write_plan(plan: Plan, *paths: Path) -> list[Path]:
         make = format_of(path, FORMATS)
         first, *others = _files(path, len(plan.alternatives))
         contents[first] = make(plan)
-        for file, one in zip(others, _each(plan)[1:], strict=True):
+        for file, one in zip(others, _each(plan)[1:], strict=False):  # GeoJSON has all in one file
             contents[file] = make(one)
     write_all(contents)
     return list(contents)
