@@ -83,22 +83,20 @@ def keep_aside(connection: sqlite3.Connection, new: Mapping[str, str]) -> list[s
     for name, identity in new.items():
         if identities.get(name, identity) == identity:
             continue
-        if not _count(connection, name):
-            _forget(connection, name)
-            continue
         before, after = digest_of(identities[name]), digest_of(identity)
         kept, known = f"{name}{ASIDE}{before}", f"{name}{ASIDE}{after}"
         count = _count(connection, name)
-        _move(connection, name, kept)
-        again = (
-            f"its {_move(connection, known, name)} runs of before are used again, and"
-            if known in names
-            else "and"
-        )
-        notices.append(
-            f"{name} has changed since its runs, from digest {before} to {after};\n"
-            f"  its {count} runs are kept as {kept}, {again} new ones are made"
-        )
+        if count:
+            _move(connection, name, kept)
+        else:
+            _forget(connection, name)
+        again = _move(connection, known, name) if known in names else 0
+        if count:
+            used = f"its {again} runs of before are used again, and " if again else "and "
+            notices.append(
+                f"{name} has changed since its runs, from digest {before} to {after};\n"
+                f"  its {count} runs are kept as {kept}, {used}new ones are made"
+            )
     return notices
 
 

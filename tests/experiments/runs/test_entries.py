@@ -64,6 +64,17 @@ def test_runs_of_a_controller_that_has_changed_are_kept_aside(tmp_path):
     assert sorted(names_of(path).values()) == [3, 5, 5]
 
 
+def test_runs_that_were_kept_aside_come_back_after_a_version_without_runs(tmp_path):
+    path = tmp_path / "a.sqlite"
+    filled(path, "first", seeds=4).close()
+    for version, seeds in (("second", 2), ("third", 0), ("first", 1)):
+        with closing(filled(path, version, seeds=seeds)) as results:
+            pass
+    assert len(names_of(path)) == 3
+    with closing(Results.stored(path)) as results:
+        assert len(results.runs(NAME, "case1", 4)) == 4
+
+
 def test_runs_of_a_controller_that_another_process_has_changed_are_refused(tmp_path):
     path = tmp_path / "a.sqlite"
     with closing(filled(path, "first", seeds=1)) as slow:
