@@ -106,7 +106,7 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
 
 @contextmanager
 def quiet_without_readers() -> Iterator[None]:
-    """End with status 141 where nobody reads standard output any more; so commands write, then print."""
+    """End with status 141 where nobody reads standard output any more; files are to be written before."""
     try:
         try:
             yield

@@ -44,9 +44,10 @@ def files_named(*names: object) -> list[Path]:
     """Return the files that are there and that names such as `learned:mine.safetensors@1` contain.
 
     Args:
-        names: names of controllers and scenarios, with paths of files in them or without.
+        names: names of controllers and scenarios, with paths of files in them or without; objects have none.
     """
-    return [Path(part) for name in names for part in parts_of(str(name)) if os.path.isfile(part)]
+    texts = [str(name) for name in names if isinstance(name, str | Path)]
+    return [Path(part) for text in texts for part in parts_of(text) if os.path.isfile(part)]
 
 
 def parts_of(name: str) -> Iterator[str]:

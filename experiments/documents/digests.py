@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from experiments.documents.records import git
-from experiments.runs.configuration import identities
+from experiments.runs.configuration import identities, optimizers_of
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import group_controllers
 from experiments.studies.controllers import packaged_seeds
 from experiments.studies.onemax import q_policies
 from experiments.studies.onemax.tables import FOUR, RECIPES
 from experiments.studies.strong.entrants import controller_of, entrants
-from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.names import BLINDED, ControllerName
 
@@ -81,11 +80,6 @@ def seeing(experiment: Experiment) -> Experiment:
     """Return an experiment without blinded policies, each of which follows from a policy and runs of it."""
     chosen = [name for name in experiment.controllers if ControllerName.parse(name).family != BLINDED]
     return replace(experiment, controllers=tuple(chosen))
-
-
-def optimizers_of(experiment: Experiment) -> set[str]:
-    """Return the names of the optimizers of an experiment."""
-    return {entrant(name, experiment.optimizer).optimizer for name in experiment.controllers}
 
 
 def _read(file: Path) -> str:

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from experiments.catalogue import SUITES, TABLES
-from experiments.documents.digests import digests_of_groups, digests_of_results, optimizers_of, seeing
+from experiments.documents.digests import digests_of_groups, digests_of_results, seeing
 from experiments.documents.records import Record, record_of, short_commit
+from experiments.runs.configuration import optimizers_of
 from experiments.runs.database import Results
 from experiments.runs.entries import FROM_CONTENT, IDENTITIES, KEY
 from experiments.runs.outcomes import Outcomes

@@ -62,6 +62,11 @@ def identity(name: str, controller: Controller) -> Any:
     return name, origin_of("controller", name), controller.identity()
 
 
+def optimizers_of(experiment: Experiment) -> set[str]:
+    """Return the names of the optimizers of an experiment."""
+    return {entrant(name, experiment.optimizer).optimizer for name in experiment.controllers}
+
+
 def environment_configuration(experiment: Experiment) -> dict[str, Any]:
     """Return the part of `configuration` without controllers, whose policies may be missing here."""
     settings = Settings.from_options(
@@ -72,8 +77,7 @@ def environment_configuration(experiment: Experiment) -> dict[str, Any]:
         found["optimizer"] = f"{experiment.optimizer}, {origin_of('optimizer', experiment.optimizer)}"
     # Given ones win over those of controllers.
     found |= {name: experiment.options.get(name) for name in ("max_evaluations", "price")}
-    optimizers = {entrant(name, experiment.optimizer).optimizer for name in experiment.controllers}
-    options: dict[str, Any] = with_encoding(optimizers, experiment.options)
+    options: dict[str, Any] = with_encoding(optimizers_of(experiment), experiment.options)
     for name in experiment.scenarios:
         problem = make_problem(name, **options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]

@@ -8,7 +8,7 @@ the runs of a controller that has changed are kept aside.
 import json
 import os
 import sqlite3
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import closing, contextmanager
 from itertools import product
 from pathlib import Path
@@ -82,9 +82,7 @@ class Results:
             self.changed = self._keep_aside(configuration or {})
             self._adopt(self._compare(configuration or {}))
             controllers = {key: value for key, value in (configuration or {}).items() if key.startswith(KEY)}
-            self._identities: dict[str, str] = {
-                key.removeprefix(KEY): _json(value) for key, value in controllers.items()
-            }
+            self._identities |= {key.removeprefix(KEY): _json(value) for key, value in controllers.items()}
 
     @classmethod
     def in_memory(cls) -> "Results":
@@ -246,12 +244,11 @@ class Results:
         except ValueError as error:
             raise ResultsError(f"{self.path}: a damaged value in its configuration ({error})") from error
 
-    def _require_unchanged(self, controllers: Collection[str]) -> None:
+    def _require_unchanged(self, controllers: Set[str]) -> None:
         """Raise ResultsError if the database says by now that a controller is another one."""
-        stored = dict(self.connection.execute("SELECT key, value FROM configuration"))
-        for name in sorted(controllers):
-            mine = self._identities.get(name)
-            if mine is not None and stored.get(KEY + name, mine) != mine:
+        query = "SELECT value FROM configuration WHERE key = ? AND value != ?"
+        for name in sorted(controllers & self._identities.keys()):
+            if self.connection.execute(query, (KEY + name, self._identities[name])).fetchone():
                 raise ResultsError(
                     f"{self.path}: {name} has changed meanwhile, and another process stores runs of the new "
                     "one; run the command again"
@@ -261,7 +258,7 @@ class Results:
     def _opened(self, path: Path, name: str, uri: bool = False) -> Iterator[None]:
         """Connect to a file, `name` for SQLite, and close it again if it proves unusable."""
         self.path = path
-        self._identities = {}
+        self._identities: dict[str, str] = {}  # of the controllers of the configuration, by name
         try:
             self.connection: sqlite3.Connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=uri)
         except sqlite3.Error as error:

@@ -135,10 +135,8 @@ def rename(connection: sqlite3.Connection, name: str, new: str) -> int:
     num_runs = _require(connection, name)
     if _count(connection, new):
         raise EntryError(f"there is an entry {new!r} already; drop or rename it first")
-    for table in TABLES:
-        connection.execute(f"UPDATE {table} SET controller = ? WHERE controller = ?", (new, name))
-    connection.execute("DELETE FROM configuration WHERE key = ?", (KEY + new,))
-    connection.execute("UPDATE configuration SET key = ? WHERE key = ?", (KEY + new, KEY + name))
+    _forget(connection, new)  # of which an identity may be left
+    _move(connection, name, new)
     return num_runs
 
 

@@ -60,8 +60,8 @@ def compare(
         for name, one in controllers.items():
             if not isinstance(one, Controller):
                 raise SettingError(f"controllers: expected a controller as {shown(name)}, got {shown(one)}")
-    sets = {name: expand_name(name) for name in scenarios}
-    names = [name for given in scenarios for name in expand_name(given)]
+    expanded = [(name, expand_name(name)) for name in scenarios]
+    sets, names = dict(expanded), [name for _, of_one in expanded for name in of_one]
     _check(list(controllers), names, seeds)
     seeds = [int(seed) for seed in seeds]  # Gymnasium refuses integers of NumPy
     if min(map(len, sets.values())) * len(seeds) < 2:

@@ -31,16 +31,13 @@ class ReactingLoop(Wrapper):
 
     def __init__(self, loop: OpenLoop):
         super().__init__(loop)
-        self.loop = loop
         self.observation = "paper+jumps"
 
-    def stretched(self, factor: float) -> "ReactingLoop":
-        """Return the reacting loop of the open loop that is stretched, see `OpenLoop.stretched`.
-
-        Args:
-            factor: number of iterations of an episode, relative to the one that it was made for.
-        """
-        return ReactingLoop(self.loop.stretched(factor))
+    @property
+    def loop(self) -> OpenLoop:
+        """The open loop."""
+        assert isinstance(self._controller, OpenLoop)
+        return self._controller
 
     def identity(self) -> object:
         """Return the identity of the open loop."""

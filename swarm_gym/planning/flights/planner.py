@@ -83,7 +83,7 @@ def plan_flight(
         require_number("max_seconds", max_seconds, 1e-3, 1e9)
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
-    require_formats(outputs, (where, threats, *files_named(where)))
+    require_formats(outputs, (threats, *files_named(where)))
     began = time.monotonic()
     given = {
         "altitude": altitude,
