@@ -1,6 +1,8 @@
 """Configurations of experiments: everything that runs depend on, which a results database compares."""
 
 import dataclasses
+import json
+from collections.abc import Mapping
 from typing import Any
 
 from agents import CONTROLLERS, Controller
@@ -50,6 +52,24 @@ def identities(experiment: Experiment) -> dict[str, Any]:
     return found
 
 
+def changed_since(name: str, experiment: Experiment, identities: Mapping[str, str]) -> bool:
+    """Return whether a controller of an experiment is another one in this process than is stated.
+
+    A worker process loads files of controllers itself, perhaps after somebody has replaced them. Own code is
+    not compared: its file may be edited while a process still runs what it has imported.
+
+    Args:
+        name: name of the controller in the experiment.
+        experiment: experiment that gives the optimizer.
+        identities: stated identities by name, as JSON.
+    """
+    optimizer, controller, _ = entrant(name, experiment.optimizer)
+    if name not in identities or not _is_packaged(controller) or _may_change(optimizer):
+        return False
+    here = json.dumps(controller_of(controller).identity(), sort_keys=True)
+    return identities[name] != here
+
+
 def _may_change(optimizer: str) -> bool:
     """Return whether an optimizer is code of the user, which has no version."""
     return optimizer not in ALL_OPTIMIZERS and not optimizer.startswith("swarm_gym.")
@@ -57,9 +77,14 @@ def _may_change(optimizer: str) -> bool:
 
 def identity(name: str, controller: Controller) -> Any:
     """Return what a controller is, beyond its name; for own code, also the digest of the code."""
-    if ControllerName.parse(name).family in (*CONTROLLERS, BLINDED):
+    if _is_packaged(name):
         return controller.identity()
     return name, origin_of("controller", name), controller.identity()
+
+
+def _is_packaged(name: str) -> bool:
+    """Return whether the code of a controller is this package's, even if a file of the user describes it."""
+    return ControllerName.parse(name).family in (*CONTROLLERS, BLINDED)
 
 
 def optimizers_of(experiment: Experiment) -> set[str]:

@@ -68,6 +68,7 @@ class Results:
         path: file of the database.
         connection: connection with SQLite.
         changed: notices on entries that were kept aside, two lines each.
+        identities: what the controllers of the configuration are, as JSON by name.
 
     Raises:
         ResultsError: if the file is not a results database, or holds runs of another configuration.
@@ -82,7 +83,7 @@ class Results:
             self.changed = self._keep_aside(configuration or {})
             self._adopt(self._compare(configuration or {}))
             controllers = {key: value for key, value in (configuration or {}).items() if key.startswith(KEY)}
-            self._identities |= {key.removeprefix(KEY): _json(value) for key, value in controllers.items()}
+            self.identities |= {key.removeprefix(KEY): _json(value) for key, value in controllers.items()}
 
     @classmethod
     def in_memory(cls) -> "Results":
@@ -247,8 +248,8 @@ class Results:
     def _require_unchanged(self, controllers: Set[str]) -> None:
         """Raise ResultsError if the database says by now that a controller is another one."""
         query = "SELECT value FROM configuration WHERE key = ? AND value != ?"
-        for name in sorted(controllers & self._identities.keys()):
-            if self.connection.execute(query, (KEY + name, self._identities[name])).fetchone():
+        for name in sorted(controllers & self.identities.keys()):
+            if self.connection.execute(query, (KEY + name, self.identities[name])).fetchone():
                 raise ResultsError(
                     f"{self.path}: {name} has changed meanwhile, and another process stores runs of the new "
                     "one; run the command again"
@@ -258,7 +259,7 @@ class Results:
     def _opened(self, path: Path, name: str, uri: bool = False) -> Iterator[None]:
         """Connect to a file, `name` for SQLite, and close it again if it proves unusable."""
         self.path = path
-        self._identities: dict[str, str] = {}  # of the controllers of the configuration, by name
+        self.identities: dict[str, str] = {}
         try:
             self.connection: sqlite3.Connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=uri)
         except sqlite3.Error as error:

@@ -1,12 +1,13 @@
 """The runner of experiments: a backend carries out missing runs, and a results database stores them."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from tqdm import tqdm
 
 from agents.backends import Backend, Task, WorkLostError
+from experiments.runs.configuration import changed_since
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.episode import Episode, warm_up
 from experiments.runs.experiment import Experiment
@@ -57,11 +58,13 @@ def store_missing(experiment: Experiment, results: Results, backend: Backend) ->
     Units of work that workers lose are run again.
 
     Raises:
-        ResultsError: if worker processes are killed again and again, or if the database cannot be written.
+        ResultsError: if worker processes are killed again and again, if the database cannot be written, or
+            if the file of a controller changes meanwhile.
         BackendError: if the backend cannot be used.
     """
     units = make_units(missing_runs(experiment, results), backend.workers())
-    task = Task(run_unit, (experiment, provenance("gymnasium", "numba", "numpy")), given())
+    made_with = provenance("gymnasium", "numba", "numpy")
+    task = Task(run_unit, (experiment, made_with, results.identities), given())
     try:
         for _, runs in backend.run(task, units):
             results.add(*runs)
@@ -93,8 +96,25 @@ def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
     return [unit for _, unit in sorted(units, key=lambda entry: entry[0])]
 
 
-def run_unit(unit: Unit, experiment: Experiment, made_with: dict[str, str]) -> list[Run]:
-    """Carry out the runs of a unit, side by side where they can be."""
+def run_unit(
+    unit: Unit, experiment: Experiment, made_with: dict[str, str], identities: Mapping[str, str]
+) -> list[Run]:
+    """Carry out the runs of a unit, side by side where they can be.
+
+    Args:
+        unit: controller, scenario and seeds.
+        experiment: experiment that gives the optimizer and the options.
+        made_with: versions and commit that the runs are made with.
+        identities: what the database holds of each controller, as JSON; others are not compared.
+
+    Raises:
+        ResultsError: if the controller that this process loads is another one than the database states.
+    """
+    if changed_since(unit.controller, experiment, identities):
+        raise ResultsError(
+            f"{unit.controller} has changed since this command began; what is stored is of the earlier one; "
+            "run the command again"
+        )
     if can_be_side_by_side(*unit, experiment):
         return run_side_by_side(*unit, experiment, made_with)
     return [Episode((unit.controller, unit.scenario, seed), experiment).run(made_with) for seed in unit.seeds]

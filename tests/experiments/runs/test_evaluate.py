@@ -389,3 +389,14 @@ def test_the_database_is_readable_by_anyone(database):
     with sqlite3.connect(database) as connection:
         (count,) = connection.execute("SELECT count(*) FROM runs WHERE final_fitness > 290").fetchone()
     assert count == len(KEYS)
+
+
+def test_a_controller_whose_file_is_replaced_while_runs_are_made_is_refused(tmp_path):
+    tuned = tmp_path / "tuned.json"
+    save_tuned(tuned, "spsfa:growth=500", {})
+    suite = dataclasses.replace(SUITE, controllers=("fixed:3", f"tuned:{tuned}"), snapshots=())
+    with closing(Results(tmp_path / "tiny.sqlite", configuration(suite))) as results:
+        save_tuned(tuned, "spsfa:growth=501", {})
+        with pytest.raises(ResultsError, match=r"tuned\.json has changed since this command began"):
+            run_missing(suite, results, LocalBackend(2))
+        assert {controller for controller, *_ in results.finished()} <= {"fixed:3"}

@@ -56,5 +56,5 @@ def test_what_cannot_be_side_by_side_runs_alone():
     assert not can_be_side_by_side("spsfa-tip", "case2", SEEDS, kept)
     assert not can_be_side_by_side("helpers.libraries:RandomSteps+fixed:9", "case2", SEEDS, experiment)
     assert not can_be_side_by_side("helpers.rules:Rule", "case2", SEEDS, experiment)
-    runs = run_unit(Unit("spsfa-tip", "case2", SEEDS), kept, {})
+    runs = run_unit(Unit("spsfa-tip", "case2", SEEDS), kept, {}, {})
     assert [len(run.snapshots) for run in runs] == [0, 1, 0]
