@@ -12,7 +12,7 @@ from swarm_gym.arrays import AnyArray, as_numpy, copy_of
 from swarm_gym.batch import SOMETIMES, is_there
 from swarm_gym.controllers import Controller
 from swarm_gym.corrected_batch import CorrectedBatch, make_batch
-from swarm_gym.episode_seeds import EpisodeSeeds
+from swarm_gym.episode_seeds import EpisodeSeeds, read_seeds
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
 from swarm_gym.settings import Settings
@@ -175,7 +175,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         rows = np.flatnonzero(as_numpy(chosen))
         first = None
         if seed is not None:
-            seeds = self._read_seeds(seed)
+            seeds = read_seeds(seed, self.num_envs)
             self._seeds.begin({row: one for row in rows.tolist() if (one := seeds[row]) is not None})
             first = seeds[0]
         if isinstance(self._batch, CorrectedBatch) and chosen.all():
@@ -325,16 +325,6 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
                 f"{shown(rows)}"
             )
         return given.astype(np.int64)
-
-    def _read_seeds(self, seed: int | list[int | None]) -> list[int | None]:
-        if isinstance(seed, int | np.integer):
-            return [int(seed) + row for row in range(self.num_envs)]
-        is_list = isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes)
-        if not is_list or getattr(seed, "ndim", 1) == 0:
-            raise SettingError(f"seed must be an integer or a list of integers, got {shown(seed)}")
-        if len(seed) != self.num_envs:
-            raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
-        return [int(one) if isinstance(one, np.integer) else one for one in seed]
 
 
 def _simulation_on(device: str, precision: str) -> type[Simulation]:

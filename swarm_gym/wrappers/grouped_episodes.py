@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import AnyArray
 from swarm_gym.checks import refuse_negative_seed, require_integer
+from swarm_gym.episode_seeds import read_seeds
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.vector_env import Infos, SwarmVectorEnv
 from swarm_gym.wrappers.groups import Groups
@@ -104,12 +105,12 @@ class GroupedEpisodes(VectorWrapper):
             options: must be None: seeds alone decide how the episodes of a group begin.
 
         Raises:
-            SettingError: for options.
+            SettingError: for options, or malformed seeds.
             gymnasium.error.Error: for a seed that is not a natural number.
         """
         if options:
             raise SettingError(f"options of reset must be None for groups, got {shown(options)}")
-        first = seed[0] if isinstance(seed, list | tuple | np.ndarray) else seed
+        first = None if seed is None else read_seeds(seed, self.num_envs)[0]
         if first is not None:
             refuse_negative_seed(first)
             self._groups.seed(first)

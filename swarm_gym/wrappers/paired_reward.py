@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import AnyArray
 from swarm_gym.controllers import Controller, SizeLimits, make_controller
+from swarm_gym.episode_seeds import read_seeds
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.settings import Settings
 from swarm_gym.sources import GUIDED
@@ -134,15 +135,13 @@ class PairedReward(VectorWrapper):
             options: must be None: seeds alone decide how the episodes of both begin.
 
         Raises:
-            SettingError: without seeds, or for options.
+            SettingError: without seeds, for malformed ones, or for options.
         """
-        seeds = [seed] if seed is None or isinstance(seed, int | np.integer) else list(seed)
-        if any(one is None for one in seeds):
+        if seed is None or None in read_seeds(seed, self.num_envs):
             raise SettingError("PairedReward needs a seed, so that both begin the same episodes; give seed")
         if options:
             raise SettingError(f"options of reset must be None for paired rewards, got {shown(options)}")
         found = self._swarms.reset(seed=seed)
-        assert seed is not None
         self._reference.reset(seed)
         return found
 

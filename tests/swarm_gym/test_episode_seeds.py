@@ -2,17 +2,20 @@ import numpy as np
 import pytest
 from gymnasium.error import Error
 from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode
 
 from helpers.episode_seeds import episode_seed
 from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.env import SwarmEnv
-from swarm_gym.episode_seeds import EpisodeSeeds, draw_seeds
+from swarm_gym.episode_seeds import EpisodeSeeds, draw_seeds, read_seeds
+from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reset_options import draw_beginnings
 from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 from swarm_gym.worlds import Worlds
+from swarm_gym.wrappers import GroupedEpisodes, PairedReward
 
 FIREFLY = get_optimizer("firefly")
 
@@ -89,6 +92,49 @@ def test_seeds_draw_what_numpy_draws_one_after_the_other(price, scenario):
     assert as_rows(draw_beginnings(again, settings, worlds, scenario)) == one_by_one(
         sequences(8, 1) * 2, settings, worlds, scenario
     )
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (5, [5, 6, 7]),
+        (np.int64(5), [5, 6, 7]),
+        ([4, None, np.int32(9)], [4, None, 9]),
+        ((1, 1, 1), [1, 1, 1]),
+        (np.array([3, 2, 1]), [3, 2, 1]),
+    ],
+)
+def test_a_vector_takes_one_seed_or_one_for_each_swarm(given, expected):
+    assert read_seeds(given, 3) == expected
+
+
+VECTORS = (
+    lambda: SwarmVectorEnv(3, scenario="case1"),
+    lambda: GroupedEpisodes(SwarmVectorEnv(3, scenario="case1", autoreset_mode=AutoresetMode.DISABLED), 3),
+    lambda: PairedReward(
+        SwarmVectorEnv(3, scenario="case1", autoreset_mode=AutoresetMode.SAME_STEP), "fixed:80"
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (True, "an integer or a list of integers, got True"),
+        (1.5, "got 1.5"),
+        ("3", "got '3'"),
+        (np.array(3.0), "an integer or a list of integers"),
+        (np.eye(3), "an integer or a list of integers"),
+        ([], "expected 3 seeds, one per swarm, got 0"),
+        ([1, 2], "expected 3 seeds, one per swarm, got 2"),
+        ([1, 2.5, 3], r"expected integers in the list, got 2\.5"),
+        ([False, 2, 3], "expected integers in the list, got False"),
+    ],
+)
+@pytest.mark.parametrize("make", VECTORS, ids=["native", "grouped", "paired"])
+def test_malformed_seeds_are_refused_by_every_vector(make, given, said):
+    with pytest.raises(SettingError, match=f"seed.*{said}"):
+        make().reset(seed=given)
 
 
 def test_single_environments_and_vectors_have_the_same_streams_in_later_episodes():
