@@ -1,7 +1,10 @@
 """The four files of docs/own-code.md, which is also their test."""
 
 import re
+import sys
 from pathlib import Path
+
+from swarm_gym import own_code
 
 PAGE = Path(__file__).parents[2] / "docs" / "own-code.md"
 FILES = re.compile(r"^`(my_swarms/\w+\.py)`:.*?```python\n(.*?)```", re.DOTALL | re.MULTILINE)
@@ -15,6 +18,19 @@ def write_own_files(folder):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(code, encoding="utf-8")
     return [name for name, _ in found]
+
+
+def let_own_files_be_imported(folder, monkeypatch):
+    """Write the files into a folder from which this test imports them; nothing is known of them before.
+
+    The optimizer stays imported: a class of parameters can be registered only once.
+    """
+    write_own_files(folder)
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setattr(own_code, "_given", set())
+    monkeypatch.setattr(own_code, "_used", set())
+    for name in {"my_swarms.rule", "my_swarms.hall", "my_swarms.pay"} & sys.modules.keys():
+        monkeypatch.delitem(sys.modules, name)
 
 
 def commands_of_the_page():

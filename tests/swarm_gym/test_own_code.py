@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from experiments.runs.episode import controller_of
-from helpers.own_files import write_own_files
+from helpers.own_files import let_own_files_be_imported
 from helpers.slow import slow_but
 from helpers.trainings import make_policy
 from swarm_gym import own_code
@@ -107,14 +107,10 @@ def text():
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     """A folder with the files of the page and a module with broken things; nothing is known of it before."""
-    write_own_files(tmp_path)
+    let_own_files_be_imported(tmp_path, monkeypatch)
     (tmp_path / "broken.py").write_text(BROKEN)
     (tmp_path / "unimportable.py").write_text("raise OSError('no such device')\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(own_code, "_given", set())
-    monkeypatch.setattr(own_code, "_used", set())
-    # The optimizer stays: a class of parameters can be registered only once.
-    for name in {"mine", "my_swarms.rule", "my_swarms.hall", "my_swarms.pay", "broken"} & sys.modules.keys():
+    for name in {"mine", "broken"} & sys.modules.keys():
         monkeypatch.delitem(sys.modules, name)
     return tmp_path
 

@@ -21,11 +21,10 @@ from experiments.runs.database import Results
 from experiments.runs.runner import missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
-from helpers.own_files import write_own_files
+from helpers.own_files import let_own_files_be_imported
 from helpers.small_commands import CONTROLLERS, IMITATION, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
-from swarm_gym import own_code
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.training.run import TrainingRun
 
@@ -135,10 +134,8 @@ def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkey
 
 
 def test_workers_get_the_own_code_that_a_command_names(tmp_path, cluster, monkeypatch):
-    monkeypatch.setattr(own_code, "_used", {*own_code._used})  # later tests do not need the files
     monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(tmp_path))
-    write_own_files(tmp_path)
+    let_own_files_be_imported(tmp_path, monkeypatch)
     suite = Suite("paper", ("my_swarms.rule:ByThirds", "spsfa-tip"), ("my_swarms.hall:HALL",), 3, "spsfa-tip")
     with closing(RayBackend(cluster.address, 0)) as backend:
         for name, by in (("here", LocalBackend(1)), ("there", backend)):
