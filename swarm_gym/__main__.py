@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple, NoReturn
 
-from swarm_gym.command import quiet_without_readers
+from swarm_gym.command import INTERRUPTED, quiet_without_readers
 from swarm_gym.errors import MissingExtraError
 
 
@@ -71,6 +71,9 @@ def _module_of(name: str) -> ModuleType:
         if (error.name or "").startswith("swarm_gym"):
             raise
         sys.exit(f"error: {MissingExtraError(f'swarm-gym {name}', str(error.name), 'train')}")
+    except KeyboardInterrupt:  # while it is imported; the commands themselves say what they have kept
+        print("interrupted before it began", file=sys.stderr)
+        sys.exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -60,6 +60,17 @@ def test_a_command_without_its_extra_says_how_to_install_it(name, monkeypatch):
         main([name, "--help"])
 
 
+def test_a_command_that_is_interrupted_while_it_is_imported_ends_with_130(monkeypatch, capsys):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("swarm_gym.__main__.import_module", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        main(["plan"])
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "interrupted before it began\n"
+
+
 def test_the_package_declares_the_script():
     content = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
     assert content["project"]["scripts"] == {"swarm-gym": "swarm_gym.__main__:main"}
