@@ -44,6 +44,8 @@ def run(config: BbobConfig) -> Iterator[Path]:
                 require_parts("BBOB", function, dimension, instance)
     if config.budget < 1:
         raise SettingError(f"--budget must be at least 1 evaluation for each dimension, got {config.budget}")
+    if config.seed < 0:
+        raise SettingError(f"--seed must be a natural number, got {config.seed}")
     experiments = [
         LoggedExperiment.of(controller, config) for controller in dict.fromkeys(config.controllers)
     ]

@@ -19,7 +19,7 @@ from experiments.runs.database import ResultsError
 from experiments.runs.runner import warm_up_all
 from experiments.scoring.cases import StoredScores, SubmittedCase, packaged_cases, submitted_cases
 from experiments.scoring.claimed_rows import DIGITS
-from experiments.scoring.files import SCORES, write_scores
+from experiments.scoring.files import SCORES, ScoreFileError, write_scores
 from experiments.scoring.ranking import objective
 from experiments.scoring.suites import SCORED, get_scored
 from experiments.scoring.verdicts import ScoreComparison, Verdict, overall
@@ -100,6 +100,8 @@ def cases_of(config: VerifyConfig) -> list[SubmittedCase]:
     Raises:
         ValueError, ResultsError: for a refused submission or claim; `submitted_cases` lists the reasons.
     """
+    if config.scores != SCORES and not config.scores.is_dir():
+        raise ScoreFileError(f"--scores {config.scores}: there is no such folder")
     stored = StoredScores(config.scores)
     if config.files:
         return submitted_cases(config.files, config.suite, config.claim, stored)

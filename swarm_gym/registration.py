@@ -5,15 +5,20 @@ have not, and Gymnasium has no plug-ins since version 1.0. The id `swarm_gym:swa
 package first, so that it works in every process.
 """
 
+import re
+
 import gymnasium
 
 from swarm_gym.optimizers import ALL_OPTIMIZERS, SPECIAL_OPTIMIZERS, get_optimizer
+
+NO_PART_OF_AN_ID = r"[^\w.-]"  # as may stand in the name of an entry point
 
 
 def environment_id(optimizer: str) -> str:
     """Return the id of an optimizer's environment, e.g. `swarm_gym/Firefly-v0` for `firefly`.
 
-    The environment of own code, `module:Class`, is `module/Class-v0`; it is registered here.
+    The environment of own code, `module:Class`, is `module/Class-v0`, with `-` for dots in the module. That
+    of an entry point has the module of the class and the name of the entry point. It is registered here.
 
     Raises:
         UnknownNameError: if there is no optimizer of that name.
@@ -21,8 +26,10 @@ def environment_id(optimizer: str) -> str:
     """
     if optimizer in ALL_OPTIMIZERS:
         return f"swarm_gym/{ALL_OPTIMIZERS[optimizer][1]}-v0"
-    own = get_optimizer(optimizer)
-    name = f"{own.__module__.replace('.', '-')}/{own.__qualname__.replace('.', '-')}-v0"
+    found = get_optimizer(optimizer)
+    module, _, attribute = optimizer.rpartition(":")  # several names may stand for classes of one name
+    module = (module or found.__module__).replace(".", "-")
+    name = f"{module}/{re.sub(NO_PART_OF_AN_ID, '-', attribute)}-v0"
     _register(name, optimizer)
     return name
 

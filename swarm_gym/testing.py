@@ -15,10 +15,10 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 from swarm_gym.controllers import Controller, make_controller
-from swarm_gym.controllers.controller import require_trial
+from swarm_gym.controllers.controller import in_iteration, require_trial
 from swarm_gym.env import Info, SwarmEnv
 from swarm_gym.errors import SwarmGymError
-from swarm_gym.observation import ITERATION, make_observation
+from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.registration import environment_id
@@ -73,9 +73,12 @@ def check_controller(name: str, scenario: str = "case3") -> None:
     )
     controller.reset(NUM_SWARMS, SEED)
     observations, _ = envs.reset(seed=SEED)
+    ended = np.zeros(NUM_SWARMS, np.bool_)
     for _ in range(_iterations_on(scenario)):
+        if ended.any():
+            break  # on bit strings, where an episode ends at the optimum
         # The environment refuses an action outside of its space, and names the swarm.
-        observations, _, _, _, _ = envs.step(controller.act(observations))
+        observations, _, ended, _, _ = envs.step(controller.act(observations))
     _hint(name, make_controller(name), scenario, optimizer)
 
 
@@ -194,18 +197,22 @@ def _check_state(name: str, env: SwarmEnv, info: Info, asked: int, before: float
 
 def _check_bits(name: str, options: Mapping[str, Any]) -> None:
     """Check that a seed gives the same bits in a single environment and among other swarms."""
-    found = []
     env = SwarmEnv(name, **options)
     action = _fitting(env, 11.0, 0.5)
+    courses: list[list[float]] = []
     for row in range(NUM_SWARMS):
         env.reset(seed=SEED + row)
-        for _ in range(ITERATIONS):
-            info = env.step(action)[-1]
-        found.append(float(info["best_fitness"]))
+        courses.append([])
+        ended = False
+        while not ended and len(courses[row]) < ITERATIONS:
+            _, _, ended, _, info = env.step(action)
+            courses[row].append(float(info["best_fitness"]))
+    length = min(map(len, courses))  # on bit strings an episode ends at the optimum
     envs = SwarmVectorEnv(NUM_SWARMS, name, **options)
     envs.reset(seed=SEED)
-    for _ in range(ITERATIONS):
+    for _ in range(length):
         infos = envs.step(np.tile(action, (NUM_SWARMS, 1)))[-1]
+    found = [course[length - 1] for course in courses]
     together = np.asarray(infos["best_fitness"]).tolist()
     _require(
         found == together,
@@ -253,9 +260,7 @@ def _check_widths(name: str) -> None:
 
 def _observations(controller: Controller, rng: np.random.Generator, iteration: int) -> NDArray:
     num_features = len(make_observation(controller.observation).features)
-    seen = rng.random((NUM_SWARMS, num_features))
-    seen[:, ITERATION] = iteration
-    return seen
+    return in_iteration(rng.random((NUM_SWARMS, num_features)), controller.observation, iteration)
 
 
 def _course(controller: Controller, scenario: str) -> list[float]:

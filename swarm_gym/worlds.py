@@ -103,7 +103,8 @@ def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     """Return the problem of an environment of that scenario and these options of `Settings`.
 
     If the map changes, this is the problem at the end of an episode, which results refer to. The default of
-    the encoding is "waypoints", or the first one of a kind of scenario that has no waypoints.
+    the encoding is "waypoints", or the first one of a kind of scenario that has no waypoints. Episodes are as
+    long as the changes need, unless `iterations` is given.
 
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.
@@ -115,7 +116,10 @@ def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     defaults: dict[str, Any] = {name: value for name, value in settings.kind.defaults if name not in options}
     settings = replace(settings, **defaults) if defaults else settings
     settings.refuse_unused(options)
-    return problems_for(settings)[len(worlds_of(settings.scenarios[0])) - 1]
+    worlds = worlds_of(settings.scenarios[0])
+    if "iterations" not in options:
+        settings = replace(settings, iterations=max(settings.iterations, worlds[-1].iteration + 1))
+    return problems_for(settings)[len(worlds) - 1]
 
 
 class Worlds:

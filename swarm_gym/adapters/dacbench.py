@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.env import Info, SwarmEnv
-from swarm_gym.errors import MissingExtraError
+from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.scenarios import expand_name
 
 try:
@@ -87,6 +87,7 @@ ONEMAX: "Configuration" = {
     },
 }
 TRAINING, TEST = "scenarios", "test_scenarios"
+SETS = ("instance_set", "test_set")  # of training and of test
 
 
 class SwarmDACEnv(AbstractEnv):
@@ -130,8 +131,22 @@ class SwarmDACEnv(AbstractEnv):
         Args:
             seed: seed of this episode and the following ones; None goes on with the present generator.
             options: `instance`, `instance_id` or `scheme`, as DACBench knows them; others go to `SwarmEnv`.
+
+        Raises:
+            SettingError: for `scenario`, which the instance decides, or a number that no instance has.
         """
         ours = dict(options or {})
+        if "scenario" in ours:
+            raise SettingError(
+                f"options of reset: the instance decides the scenario, got {shown(ours['scenario'])}; name "
+                "an instance by instance_id"
+            )
+        known = list(self.instance_set)
+        if ours.get("instance_id", known[0]) not in known:
+            raise SettingError(
+                f"options of reset: instance_id must be one of {shown(known)}, got "
+                f"{shown(ours['instance_id'])}"
+            )
         theirs = {name: ours.pop(name) for name in ("instance", "instance_id", "scheme") if name in ours}
         self.reset_(seed, theirs)
         drawn = int(self.np_random.integers(2**31))
@@ -167,30 +182,39 @@ class SwarmBenchmark(AbstractBenchmark):
     Args:
         config_path: JSON file with a configuration; what it leaves out is as in `defaults`.
         config: a configuration.
+
+    Raises:
+        SettingError: for a configuration without scenarios.
     """
 
     config: objdict
     defaults: ClassVar["Configuration"] = DEFAULTS
 
     def __init__(self, config_path: str | None = None, config: "Configuration | None" = None):
+        for names in (TRAINING, TEST):
+            if config is not None and config.get(names) == []:
+                raise SettingError(f"{names} must name at least one scenario, got none")
         super().__init__(config_path, None if config is None else objdict(config))
         given = self.config or {}
         self.config = objdict({**self.defaults, **given})
         for names in (TRAINING, TEST):  # DACBench makes arrays of lists that it reads
             self.config[names] = [str(name) for name in self.config[names]]
         self.config["options"] = dict(self.config["options"])
+        for name in SETS:  # DACBench saves instances that were made as texts; they are made again
+            if not all(isinstance(one, SwarmInstance) for one in self.config.get(name, {}).values()):
+                del self.config[name]
 
     def read_instance_set(self, test: bool = False) -> None:
         """Make the numbered instances of the names of scenarios in the configuration."""
         names = self.config[TEST if test else TRAINING]
         expanded = [SwarmInstance(one) for name in names for one in expand_name(name)]
-        self.config["test_set" if test else "instance_set"] = dict(enumerate(expanded))
+        self.config[SETS[test]] = dict(enumerate(expanded))
 
     def get_environment(self) -> gymnasium.Env[NDArray, NDArray]:
         """Return the environment of the configuration, in the wrappers that are registered."""
-        for test, name in ((False, "instance_set"), (True, "test_set")):
+        for test, name in enumerate(SETS):
             if name not in self.config:
-                self.read_instance_set(test)
+                self.read_instance_set(bool(test))
         env: gymnasium.Env[NDArray, NDArray] = SwarmDACEnv(self.config)
         for wrap in self.wrap_funcs:
             env = wrap(env)

@@ -132,6 +132,7 @@ class PymooParticleSwarm(PymooOptimizer[PymooSwarmParameters]):
 
     name = "swarm_gym.adapters.pymoo:ParticleSwarm"
     parameter_class = PymooSwarmParameters
+    smallest_population = 2  # pymoo adapts itself by distances between particles
     adapted: ClassVar[tuple[str, ...]] = ("w", "c1", "c2")
 
     @staticmethod

@@ -193,9 +193,9 @@ def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats
         scenarios: names of the scenarios.
         options: options of their environments.
     """
-    # Without parameters of optimizers, and without a budget: whether it holds the first population depends on
-    # the controller.
-    names = {one.name for one in fields(Settings)} - {"max_evaluations"}
+    # Without parameters of optimizers. An entrant may have episodes of its own length, and whether a budget
+    # holds the first population depends on the controller.
+    names = {one.name for one in fields(Settings)} - {"max_evaluations", "iterations"}
     known = {name: value for name, value in options.items() if name in names}
     problems = [make_problem(name, **known) for name in scenarios]
     found = np.array([known_optimum(problem) for problem in problems])

@@ -6,7 +6,7 @@ It also has the checks of controllers: the trial of own ones, and whether one fi
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Self, TypedDict, cast
+from typing import Any, Self, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from swarm_gym.action import make_action
 from swarm_gym.controllers.size_limits import SizeLimits
 from swarm_gym.errors import SettingError, shown
+from swarm_gym.features import THEORY
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -22,6 +23,7 @@ from swarm_gym.sources import GUIDED, SMOOTH, Source
 Floats = NDArray[np.float64]
 
 NUM_SWARMS = 3  # of a trial
+TRIAL_BITS = 100  # length of a bit string in a trial
 
 
 class NeededOptions(TypedDict, total=False):
@@ -229,6 +231,25 @@ def require_fitting(controller: Controller, max_evaluations: int | None) -> None
         raise ValueError(f"it observes a price, {controller.price:g}, which these episodes need not have")
 
 
+def in_iteration(seen: Floats, observation: str, iteration: int) -> Floats:
+    """Set the iteration in observations of a trial, (B, k), and half of the bits; return them.
+
+    Args:
+        seen: observations, which are changed; features that the layout lacks are left out.
+        observation: name of their layout.
+        iteration: number of the iteration, from 0.
+    """
+    length, ones = (feature.name for feature in THEORY)
+    for column, feature in enumerate(make_observation(observation).features):
+        if feature.name == length:  # no bit string has a length of 0
+            seen[:, column] = TRIAL_BITS
+        elif feature.name == ones:
+            seen[:, column] = TRIAL_BITS // 2
+        elif column == ITERATION:
+            seen[:, column] = iteration
+    return seen
+
+
 def require_trial(controller: object) -> None:
     """Raise an error if an object is no controller, or decides in another form than its layouts say.
 
@@ -242,8 +263,9 @@ def require_trial(controller: object) -> None:
     size = getattr(controller, "initial_population_size", None)
     if not isinstance(size, int | np.integer) or isinstance(size, bool) or size < 1:
         raise ValueError(f"initial_population_size must be a positive integer, got {shown(size)}")
-    num_features = len(make_observation(controller.observation).features)
-    limits = controller.needed_limits or SizeLimits(2, max(int(size), SizeLimits().largest))
+    optimizer = get_optimizer(controller.made_for or "firefly")
+    least: Any = optimizer.default_options.get("min_population_size", SizeLimits().smallest)
+    limits = controller.needed_limits or SizeLimits(least, max(int(size), SizeLimits().largest))
     settings = Settings(
         action=controller.action,
         initial_population_size=int(size),
@@ -251,11 +273,11 @@ def require_trial(controller: object) -> None:
         max_population_size=limits.largest,
         max_evaluations=controller.max_evaluations,
     )
-    space = make_action(settings, get_optimizer(controller.made_for or "firefly")).space
+    space = make_action(settings, optimizer).space
     controller.reset(NUM_SWARMS, seed=0)
     for iteration in range(2):
-        seen = np.zeros((NUM_SWARMS, num_features))
-        seen[:, ITERATION] = iteration
+        width = len(make_observation(controller.observation).features)
+        seen = in_iteration(np.zeros((NUM_SWARMS, width)), controller.observation, iteration)
         try:
             decided = np.asarray(controller.act(seen))
         except Exception as error:  # somebody else's code may raise anything

@@ -1,12 +1,13 @@
 """Conversion of obstacles and analytic maps to cells."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
+from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.obstacles import Circle, Obstacle, Polygon
 from swarm_gym.scenarios.scenario import Scenario
@@ -20,7 +21,7 @@ def rasterised(scenario: Scenario, cell_size: float) -> GridScenario:
     """Return an analytic map as a grid map; a path through free cells enters no obstacle.
 
     The grid covers the workspace. It is a little larger at its right and upper end where the workspace is not
-    a whole number of cells.
+    a whole number of cells. A start or target on the right or lower edge itself has a cell beyond it.
 
     Args:
         scenario: scenario to convert; its name is kept.
@@ -42,8 +43,22 @@ def rasterised(scenario: Scenario, cell_size: float) -> GridScenario:
     blocked = np.zeros((height, width), np.bool_)
     for obstacle in scenario.obstacles:
         blocked |= cells_of(obstacle, empty)
+    blocked = _with_edges(blocked, [empty.cell_of(end) for end in (scenario.start, scenario.target)])
     grid = GridMap(scenario.name, blocked, cell_size, origin, y_up=True)
     return GridScenario(scenario.name, grid, scenario.start, scenario.target)
+
+
+def _with_edges(blocked: NDArray[np.bool_], ends: Sequence[Cell]) -> NDArray[np.bool_]:
+    """Return a map with a column on the right and a row below where ends need them, else blocked there."""
+    height, width = blocked.shape
+    columns, rows = (any(end[axis] == size for end in ends) for axis, size in ((0, width), (1, height)))
+    wider = np.pad(blocked, ((0, int(rows)), (0, int(columns))), constant_values=True)
+    for column, row in ends:
+        if column == width or row == height:
+            wider[row, column] = False
+        if column == width and row == height:  # the way out of the corner
+            wider[row, column - 1] = False
+    return wider
 
 
 def cells_of(obstacle: Obstacle, grid: GridMap) -> NDArray[np.bool_]:

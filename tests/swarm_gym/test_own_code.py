@@ -18,6 +18,7 @@ from helpers.own_files import let_own_files_be_imported
 from helpers.slow import slow_but
 from helpers.trainings import make_policy
 from swarm_gym import own_code
+from swarm_gym.comparing.comparison import compare
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import CONTROLLERS, make_controller
 from swarm_gym.controllers.knots import Knots
@@ -244,6 +245,12 @@ class TestEntryPoints:
         assert get_optimizer("hill-climber").name == "hill-climber"
         assert SwarmEnv(scenario="hall", iterations=2).reset(seed=0)[1]["scenario"] == "hall"
 
+    def test_an_environment_of_a_short_name_has_it_in_its_id(self):
+        assert environment_id("hill-climber") == "my_swarms-swarm/hill-climber-v0"
+        assert gymnasium.make(environment_id("hill-climber"), scenario="case1").reset(seed=0)[1][
+            "evaluations"
+        ]
+
     def test_one_that_shadows_a_name_of_ours_is_refused(self):
         with pytest.raises(OwnCodeError, match=r"'fixed': .* has an entry point of this name"):
             make_controller("fixed:60")
@@ -252,6 +259,43 @@ class TestEntryPoints:
         policy = make_policy(folder / "policy.safetensors", np.random.default_rng(0), base="by-thirds")
         with pytest.raises(PolicyFileError, match="stands for code"):
             make_controller(f"learned:{policy}")
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_a_controller_of_bit_strings_runs_by_its_name(folder, size):
+    (folder / "bits.py").write_text(
+        "import numpy as np\n"
+        "from swarm_gym.controllers import Controller\n"
+        "class Theory(Controller):\n"
+        "    observation, action, made_for = 'theory', 'natural', 'one-plus-lambda-lambda'\n"
+        f"    initial_population_size = {size}\n"
+        "    def reset(self, num_swarms, seed=0): pass\n"
+        "    def act(self, observations):\n"
+        "        length, ones = observations[:, 0], observations[:, 1]\n"
+        "        return np.stack([np.sqrt(length / np.maximum(length - ones, 1.0)), 0.0 * ones], axis=1)\n"
+        "    def identity(self): return 'theory'\n"
+    )
+    found = compare(["bits:Theory", "theory"], ["onemax:30"], range(2), "one-plus-lambda-lambda")
+    assert (found.fitness == 0.0).all()
+    check_controller("bits:Theory", "onemax:50")
+
+
+def test_optimizers_whose_classes_share_a_name_have_environments_of_their_own(folder):
+    (folder / "made.py").write_text(
+        "from typing import NamedTuple, get_type_hints\n"
+        "from my_swarms.swarm import HillClimber\n"
+        "def make(iterations):\n"
+        "    fields = get_type_hints(HillClimber.parameter_class, include_extras=True)\n"
+        "    class Variant(HillClimber):\n"
+        "        parameter_class = NamedTuple('Parameters', [*fields.items()])\n"
+        "        default_options = {'iterations': iterations}\n"
+        "    return Variant\n"
+        "Short, Long = make(2), make(5)\n"
+    )
+    made = [gymnasium.make(environment_id(f"made:{name}"), scenario="case1") for name in ("Short", "Long")]
+    assert [env.unwrapped.settings.iterations for env in made] == [2, 5]
+    found = compare(["made:Short+fixed:9", "made:Long+fixed:9"], ["case1"], range(2))
+    assert (found.evaluations[0] < found.evaluations[1]).all()
 
 
 def test_checks_pass_for_the_examples_of_the_page():
@@ -263,6 +307,8 @@ def test_checks_pass_on_maps_that_change_and_for_optimizers_of_four_members():
     check_scenario("dynamic:case1-block@70")
     check_controller("fixed:60", "dynamic:case1-block@20")
     check_scenario("onemax:40", "one-plus-lambda-lambda")
+    check_controller("one-fifth", "onemax:50")
+    check_optimizer("one-plus-lambda-lambda", "onemax:20")
     check_scenario("case3", "differential-evolution")
     check_optimizer("differential-evolution")
 

@@ -19,7 +19,7 @@ from gymnasium.utils.env_checker import check_env
 
 from swarm_gym.adapters.dacbench import OneMaxBenchmark, SwarmBenchmark, SwarmDACEnv
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError
 
 FEW = {
     "cutoff": 4,
@@ -84,6 +84,13 @@ def test_a_configuration_is_written_and_read(tmp_path):
         assert episode(one.get_environment()) == expected
 
 
+def test_a_configuration_that_is_written_after_use_is_read(tmp_path):
+    bench = make()
+    expected = episode(bench.get_environment())
+    bench.save_config(tmp_path / "config.json")
+    assert episode(SwarmBenchmark(tmp_path / "config.json").get_environment()) == expected
+
+
 def test_instances_are_scenarios_in_turn():
     env = make().get_environment()
     names = {number: instance.scenario for number, instance in env.get_instance_set().items()}
@@ -116,6 +123,13 @@ def test_options_of_reset_go_on_to_the_swarm_and_wrong_ones_are_refused():
     assert env.reset(options={"initial_population_size": 3})[1]["population_size"] == 3
     with pytest.raises(UnknownNameError, match="reset option 'size'"):
         env.reset(options={"size": 3})
+    with pytest.raises(SettingError, match="the instance decides the scenario, got 'case2'"):
+        env.reset(options={"scenario": "case2"})
+    with pytest.raises(SettingError, match=r"instance_id must be one of \[0, 1, 2\], got 7"):
+        env.reset(options={"instance_id": 7})
+    for name in ("scenarios", "test_scenarios"):
+        with pytest.raises(SettingError, match=f"{name} must name at least one scenario"):
+            make(**{name: []}).get_environment()
     with pytest.raises(UnknownNameError, match="optimizer 'fireflies'"):
         make(optimizer="fireflies").get_environment()
 

@@ -207,3 +207,9 @@ def test_gaps_are_to_the_optimum_of_the_optimizers_encoding():
         SettingError, match=r"different encodings.*'waypoints' of firefly, 'walk' of ant-colony"
     ):
         compare(["fixed:8", "ant-colony+fixed:8"], ["case1"], range(2), iterations=5)
+
+
+def test_an_entrant_with_longer_episodes_runs_on_a_late_event():
+    found = compare(["firefly(30)+fixed:5", "firefly(31)+fixed:5"], ["dynamic:case1-block@29"], range(2))
+    assert np.isfinite(found.optima).all()
+    assert (found.evaluations[0] < found.evaluations[1]).all()

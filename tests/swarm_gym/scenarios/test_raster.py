@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from helpers.builders import random_circle, random_polygon, random_scenario
 from helpers.slow import slow_but
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, Polygon, Scenario, make_scenario, rasterised
@@ -105,6 +106,24 @@ def test_cells_cover_the_workspace(seed):
     assert grid.extent[:2] == (x_min, y_min)
     assert x_max <= grid.extent[2] < x_max + 30.0
     assert y_max <= grid.extent[3] < y_max + 30.0
+
+
+@pytest.mark.parametrize(
+    "end", [(0, 0), (5, 0), (10, 0), (10, 5), (10, 9), (10, 10), (0, 10), (0, 5), (5, 10)]
+)
+@pytest.mark.parametrize("cell_size", [1.0, 0.7])
+def test_ends_may_lie_on_any_edge_of_the_workspace(end, cell_size):
+    scenario = Scenario("box", (3.3, 4.4), end, (Circle(6.0, 6.0, 1.5),), (0.0, 0.0, 10.0, 10.0))
+    grid = rasterised(scenario, cell_size)
+    assert grid.target == end
+    assert grid.map.is_free(grid.map.cell_of(end))
+    beyond = grid.map.to_map(np.argwhere(~grid.map.blocked)[:, ::-1])
+    outside = ((beyond < 0.0) | (beyond > 10.0 + cell_size)).any(axis=1)
+    assert outside.sum() <= 2  # the cells of the end alone
+    _, way = shortest_path(grid)
+    assert np.allclose([way[0], way[-1]], [grid.start, grid.target])
+    _, info = SwarmEnv("ant-colony", scenario=scenario, iterations=1, cell_size=cell_size).reset(seed=0)
+    assert np.isfinite(info["best_fitness"])
 
 
 def test_too_many_cells_are_refused():
