@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.switch_margin is not None and options.previous is None:
             raise SettingError("--switch-margin: it compares with a previous path; give --previous, too")
-        read = [*files_of(options.map), options.workspace]
+        read = [*files_of(options.map), options.workspace, options.previous]
         require_formats(options.output, read, options.alternatives)
         evaluations, seconds = options.budget
         with quiet_without_readers(), warnings_in_a_line():

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from typing import NamedTuple
+from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from swarm_gym.scenarios import Circle, GridScenario
 
 Floats = NDArray[np.float64]
 
-WIDTH = 900.0  # of a picture, in pixels
+WIDTH, HEIGHT = 900.0, 3600.0  # of a picture, in pixels; the second at most, where it is narrower
 LINE, DOT = 2.5, 6.0  # width of the path, radius of start and goal, in pixels
 PAPER, OBSTACLE, PATH, START, GOAL = "#ffffff", "#9aa3ad", "#c2410c", "#15803d", "#1d4ed8"
 EDGE = 1.0  # width of the edges of obstacles, in pixels: no seams between pieces, and lines can be seen
@@ -24,6 +25,7 @@ class _Shapes(NamedTuple):
     """The shapes of a picture, in pixels, y downwards.
 
     Attributes:
+        width: width of the picture.
         height: height of the picture.
         circles: obstacles, (x, y, radius).
         polygons: obstacles, each with corners (k, 2).
@@ -31,6 +33,7 @@ class _Shapes(NamedTuple):
         edge: width of the edges of obstacles; 0.0 for cells.
     """
 
+    width: float
     height: float
     circles: list[tuple[float, float, float]]
     polygons: list[Floats]
@@ -53,10 +56,10 @@ def as_svg(plan: Plan) -> str:
     )
     return "\n".join(
         [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {shapes.height:g}" '
-            f'width="{WIDTH:g}">',
-            f"<title>a path of length {plan.length:g} on {plan.map.name}</title>",
-            f'<rect width="{WIDTH:g}" height="{shapes.height:g}" fill="{PAPER}"/>',
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {shapes.width:g} {shapes.height:g}" '
+            f'width="{shapes.width:g}">',
+            f"<title>a path of length {plan.length:g} on {escape(plan.map.name)}</title>",
+            f'<rect width="{shapes.width:g}" height="{shapes.height:g}" fill="{PAPER}"/>',
             f'<g fill="{OBSTACLE}" {edges}>',
             *(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.2f}"/>' for x, y, radius in shapes.circles),
             *(f'<polygon points="{points(corners)}"/>' for corners in shapes.polygons),
@@ -83,7 +86,7 @@ def as_png(plan: Plan) -> bytes:
     except ImportError as error:
         raise MissingExtraError("a picture as PNG", "Pillow", "maps") from error
     shapes = _shapes_of(plan)
-    size = round(WIDTH), max(round(shapes.height), 1)
+    size = max(round(shapes.width), 1), max(round(shapes.height), 1)
     image = Image.new("RGB", (FINER * size[0], FINER * size[1]), PAPER)
     canvas = ImageDraw.Draw(image)
 
@@ -108,7 +111,7 @@ def as_png(plan: Plan) -> bytes:
 def _shapes_of(plan: Plan) -> _Shapes:
     scenario = plan.map
     x_min, y_min, x_max, y_max = scenario.view
-    scale = WIDTH / (x_max - x_min)
+    scale = min(WIDTH / (x_max - x_min), HEIGHT / (y_max - y_min))
 
     def in_pixels(points: Floats) -> Floats:
         x, y = np.asarray(points, dtype=np.float64).T
@@ -127,7 +130,8 @@ def _shapes_of(plan: Plan) -> _Shapes:
             else:
                 polygons.append(in_pixels(np.array(obstacle.vertices)))
     edge = 0.0 if isinstance(scenario, GridScenario) else EDGE
-    return _Shapes(scale * (y_max - y_min), circles, polygons, in_pixels(plan.path_on_map), edge)
+    width, height = scale * (x_max - x_min), scale * (y_max - y_min)
+    return _Shapes(width, height, circles, polygons, in_pixels(plan.path_on_map), edge)
 
 
 def _ends(shapes: _Shapes) -> list[tuple[tuple[float, float], str]]:

@@ -69,7 +69,11 @@ class DriveRun:
             self._map, self._driving, self._weights, request.seed, request.curvature_rate
         )
         self._corridors = DriveCorridors(self._searches, request.max_evaluations)
-        before = None if request.previous is None else require_previous(request.previous, task)
+        before = (
+            None
+            if request.previous is None
+            else require_previous(request.previous, task, underway=request.underway)
+        )
         self._before = None if before is None else task.frame.to_frame(before)
         self._limit = math.inf if request.max_seconds is None else began + request.max_seconds
         self._best: Curve | None = None

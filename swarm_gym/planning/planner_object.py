@@ -17,7 +17,7 @@ from swarm_gym.planning.planner import run_of
 from swarm_gym.planning.planning_run import PlanningRun
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Plan
-from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
+from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.tasks import read_task
 from swarm_gym.planning.worker import Worker
 from swarm_gym.reference.shortest import prepare
@@ -146,7 +146,6 @@ class Planner:
             RuntimeError: if the interpreter ends.
         """
         began = time.monotonic()
-        rest = None if previous is None or start is None else _rest_from(previous, start)
         request = Request(
             planner,
             optimizer,
@@ -154,7 +153,7 @@ class Planner:
             max_evaluations,
             max_seconds,
             seed,
-            previous if rest is None else rest,
+            previous,
             self._switch_margin,
             alternatives,
             self._wishes,
@@ -163,6 +162,7 @@ class Planner:
             goal_heading,
             self._reverse,
             self._curvature_rate,
+            start is not None,
         )
         if cancel is not None and not isinstance(cancel, threading.Event):
             raise SettingError(f"cancel must be a threading.Event, got {cancel!r:.80}")
@@ -209,18 +209,6 @@ class Planner:
             grid = where if isinstance(where, GridMap) else where.map
             _ = grid.components  # kept by the map
             prepare(grid, self._margin)
-
-
-def _rest_from(previous: ArrayLike, start: Point) -> ArrayLike:
-    """Return the rest of a path from a start; a malformed path as it is, which is refused later."""
-    try:
-        points = np.array(previous, dtype=np.float64)
-        here = (float(start[0]), float(start[1]))
-    except (TypeError, ValueError, IndexError):
-        return previous
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
-        return previous
-    return rest_of(points, here)
 
 
 @cache

@@ -48,7 +48,11 @@ class PlanningRun:
             SettingError: for a previous path or wishes that do not fit the task.
         """
         self._task, self._request, self._began, self._is_stopped = task, request, began, is_stopped
-        before = None if request.previous is None else require_previous(request.previous, task)
+        before = (
+            None
+            if request.previous is None
+            else require_previous(request.previous, task, underway=request.underway)
+        )
         self._before = None if before is None else task.frame.to_frame(before)
         self._wished = request.wished(task)
         self._corridors = CorridorMap(task)

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import SettingError
 from swarm_gym.planning.curve import COLUMNS
+from swarm_gym.planning.steady import rest_of
 from swarm_gym.planning.tasks import Task
 
 Floats = NDArray[np.float64]
@@ -15,12 +16,13 @@ HEADS = ("x,y", ",".join(COLUMNS))  # of CSV files of polylines and of curves
 SAME = 1e-6  # how far ends may be from start and goal, as a share of the distance between these
 
 
-def require_previous(path: ArrayLike, task: Task) -> Floats:
+def require_previous(path: ArrayLike, task: Task, *, underway: bool = False) -> Floats:
     """Return a previous path as an array, (k, 2), in map units.
 
     Args:
         path: points from start to goal, (k, 2), in the user's coordinates.
         task: task on the map as it is now.
+        underway: whether the robot has left the start of the path: the rest from the task's start counts.
 
     Raises:
         SettingError: if it has another shape, numbers that are not finite, or other ends.
@@ -34,6 +36,10 @@ def require_previous(path: ArrayLike, task: Task) -> Floats:
     if not np.isfinite(points).all():
         raise SettingError(f"previous: expected finite numbers, got {points[~np.isfinite(points)][0]}")
     on_map = task.on_map(points)
+    if not np.isfinite(on_map).all():
+        raise SettingError(f"previous: expected longitudes and latitudes, got {points.tolist()!r:.80}")
+    if underway:  # in metres: degrees of longitude are shorter than those of latitude
+        on_map = rest_of(on_map, task.given.start)
     limit = SAME * task.given.straight_line
     for index, verb, end, expected in (
         (0, "starts", task.given.start, task.start),
@@ -43,8 +49,6 @@ def require_previous(path: ArrayLike, task: Task) -> Floats:
             x, y = points[index].tolist()
             raise SettingError(f"previous: expected a path that {verb} at {expected}, got {(x, y)}")
         on_map[index] = end
-    if not np.isfinite(on_map).all():
-        raise SettingError(f"previous: expected longitudes and latitudes, got {points.tolist()!r:.80}")
     return on_map
 
 

@@ -17,7 +17,10 @@ PLANNERS = ("auto", "swarm")
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """A request for one path; the attributes are arguments of `swarm_gym.plan`.
+    """A request for one path; the attributes are arguments of `swarm_gym.plan`, but for the last.
+
+    Attributes:
+        underway: whether the robot has left the start of the previous path, whose rest counts.
 
     Raises:
         SettingError: for a value that is invalid.
@@ -39,6 +42,7 @@ class Request:
     goal_heading: float | None = None
     reverse: bool = False
     curvature_rate: float | None = None
+    underway: bool = False
 
     def __post_init__(self) -> None:
         require_integer("seed", self.seed, 0, 2**31)

@@ -86,10 +86,16 @@ def as_ros_path(plan: Plan) -> str:
             "- header:",
             "    frame_id: map",
             "  pose:",
-            f"    position: {{x: {x!r}, y: {y!r}, z: 0.0}}",
-            f"    orientation: {{x: 0.0, y: 0.0, z: {sin:.17g}, w: {cos:.17g}}}",
+            f"    position: {{x: {_in_yaml(x)}, y: {_in_yaml(y)}, z: 0.0}}",
+            f"    orientation: {{x: 0.0, y: 0.0, z: {_in_yaml(sin)}, w: {_in_yaml(cos)}}}",
         ]
     return "\n".join(lines) + "\n"
+
+
+def _in_yaml(number: float) -> str:
+    """Return a number with a point, without which readers of YAML 1.1 take 1e-05 for a text."""
+    text = repr(float(number))
+    return text if "." in text else text.replace("e", ".0e")
 
 
 FORMATS: dict[str, Callable[[Plan], str | bytes]] = {

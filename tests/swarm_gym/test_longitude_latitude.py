@@ -10,7 +10,7 @@ import shapely
 from helpers.features import collection, feature, read, written
 from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError
 from swarm_gym.plan import main
-from swarm_gym.planning import plan
+from swarm_gym.planning import Planner, plan
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.tasks import read_task
 from swarm_gym.planning.writing import as_ros_path
@@ -232,7 +232,7 @@ def test_a_plan_in_metres_has_its_path_in_degrees(tmp_path, capsys):
     assert shapely.LineString(on_map).length == pytest.approx(found.length, rel=1e-9)
     headings = [line for line in as_ros_path(found).splitlines() if "orientation" in line]
     east = on_map[1] - on_map[0]
-    assert f"z: {np.sin(np.arctan2(east[1], east[0]) / 2.0):.17g}" in headings[0]
+    assert f"z: {float(np.sin(np.arctan2(east[1], east[0]) / 2.0))!r}" in headings[0]
     # The path goes on from there, and files have degrees.
     task = read_task(file, START, GOAL, 0.5)
     assert shapely.LineString(require_previous(found.path, task)).length == pytest.approx(
@@ -248,3 +248,22 @@ def test_a_plan_in_metres_has_its_path_in_degrees(tmp_path, capsys):
     np.testing.assert_array_equal(written_path["geometry"]["coordinates"], found.path)
     assert written_path["properties"]["length"] == found.length
     assert f"length       {found.length:.6g}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("latitude", [5.0, 50.0, -60.0])
+def test_the_rest_of_a_previous_path_is_measured_in_metres(tmp_path, latitude):
+    plane = pyproj.Proj(proj="aeqd", lon_0=25, lat_0=latitude, ellps="WGS84")
+
+    def degrees(x, y):
+        return tuple(map(float, plane(x, y, inverse=True)))
+
+    wall = [degrees(*corner) for corner in [(-900, 75), (800, 75), (800, 80), (-900, 80), (-900, 75)]]
+    file = tmp_path / "wall.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [wall]}))
+    planner = Planner(file, coordinates="longitude-latitude", switch_margin=1.0)
+    # Metres to the path in the east, 100, are more degrees than the 140 metres to its end beyond the wall.
+    around = [(100, 60), (100, -400), (-1000, -400), (-1000, 140), (0, 140), (400, 140)]
+    before = [degrees(*point) for point in around]
+    found = planner.plan(degrees(0, 0), degrees(400, 140), previous=before)
+    assert found.switched is False
+    assert found.length == pytest.approx(3540, abs=40)

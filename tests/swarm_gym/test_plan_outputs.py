@@ -1,8 +1,10 @@
 """Files of a plan: several at once, all checked before planning, and none of them half written."""
 
+import io
 import json
 import re
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -10,7 +12,8 @@ import pytest
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
 from swarm_gym.plan import main
-from swarm_gym.planning import plan, writing
+from swarm_gym.planning import drawing, plan, writing
+from swarm_gym.scenarios import GridMap
 
 COMMAND = ["--map", "case1", "--budget", "500"]
 
@@ -117,6 +120,8 @@ OVER_BLOCK = ["--map", "map.geojson", "--start", "0,0", "--goal", "10,10"]
     ("command", "names"),
     [
         ([*OVER_BLOCK, "--workspace", "space.geojson"], ["space.geojson"]),
+        ([*OVER_BLOCK, "--previous", "before.csv"], ["before.csv"]),
+        ([*OVER_BLOCK, "--previous", "before-2.csv", "--alternatives", "2"], ["before.csv"]),
         ([*OVER_BLOCK, "--alternatives", "2"], ["floor.yaml"]),
         ([*OVER_BLOCK, "--alternatives", "3"], ["k.csv", "k-2.csv"]),
         (["--map", "ros:floor-2.yaml?start=1,1&goal=2,2"], ["floor-2.yaml"]),
@@ -137,6 +142,8 @@ def test_neither_inputs_nor_other_outputs_are_replaced(
         "image: floor.png\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
         "free_thresh: 0.196\n"
     )
+    for name in ("before.csv", "before-2.csv"):
+        (tmp_path / name).write_text("x,y\n0,0\n10,0\n10,10\n")
     if "floor.yaml" in names:
         command = ["--map", "floor-2.yaml", *command[2:]]
     before = {file.name: file.read_text() for file in tmp_path.iterdir()}
@@ -168,3 +175,30 @@ def test_options_without_an_effect_are_refused(option, message, unplanned, capsy
         status = ended.code
     assert status == 2
     assert message in capsys.readouterr().err
+
+
+def test_numbers_of_a_ros_path_are_numbers_and_names_of_maps_are_text(tmp_path, monkeypatch):
+    yaml = pytest.importorskip("yaml", reason="needs the extra `maps`")
+    monkeypatch.chdir(tmp_path)
+    name = "a&b <c>.geojson"
+    (tmp_path / name).write_text(BLOCK)
+    command = ["--map", name, "--start", "0.00001,0", "--goal", "10,0.00002"]
+    assert main([*command, *outputs("a.yaml", "a.svg")]) == 0
+    poses = yaml.safe_load((tmp_path / "a.yaml").read_text())["poses"]
+    numbers = [number for one in poses for part in one["pose"].values() for number in part.values()]
+    assert {type(number) for number in numbers} == {float}
+    assert numbers[:2] == [1e-5, 0.0]
+    title = ElementTree.parse(tmp_path / "a.svg").getroot()[0].text
+    assert title.endswith("on a&b <c>")
+
+
+@pytest.mark.parametrize(("width", "height"), [(10, 1200), (1200, 10)])
+def test_pictures_of_long_maps_have_a_largest_size(tmp_path, monkeypatch, width, height):
+    image = pytest.importorskip("PIL.Image", reason="needs the extra `maps`")
+    grid = GridMap("long", np.zeros((height, width), np.bool_))
+    found = plan(grid, (1.0, 1.0), (width - 2.0, height - 2.0))
+    drawn = image.open(io.BytesIO(drawing.as_png(found)))
+    limit = round(drawing.WIDTH), round(drawing.HEIGHT)
+    assert drawn.size == ((30, 3600) if height > width else (900, 8))
+    assert all(size <= most for size, most in zip(drawn.size, limit, strict=True))
+    assert drawn.getpixel((drawn.size[0] // 2, drawn.size[1] // 2)) != (255, 255, 255)  # the path

@@ -22,7 +22,8 @@ from swarm_gym.scenarios.terrain.scenario import RADIUS, TOP, X, Y, hill_shade
 
 Floats = NDArray[np.float64]
 
-WIDTH, PROFILE = 900, 260  # of the picture, and height of the profile, in pixels
+WIDTH, HEIGHT = 900, 3600  # of the picture, and of its map at most, in pixels
+PROFILE = 260  # height of the profile, in pixels
 LEFT, MARGIN = 64, 14  # of the profile
 FINER = 2  # a picture is drawn so many times larger and then reduced, so that edges are smooth
 PAPER, INK, FLIGHT, THREAT, START, GOAL = "#ffffff", "#3f3f46", "#c2410c", "#dc2626", "#15803d", "#1d4ed8"
@@ -44,17 +45,18 @@ def as_png(flight: Flight) -> bytes:
         raise MissingExtraError("a picture as PNG", "Pillow", "terrain") from error
     scenario = flight.map
     x_min, y_min, x_max, y_max = scenario.workspace
-    width = FINER * WIDTH
-    scale = width / (x_max - x_min)
-    height = max(round(scale * (y_max - y_min)), 1)
-    image = Image.new("RGB", (width, height + FINER * PROFILE), PAPER)
+    scale = FINER * min(WIDTH / (x_max - x_min), HEIGHT / (y_max - y_min))
+    width, height = (max(round(scale * extent), 1) for extent in (x_max - x_min, y_max - y_min))
+    image = Image.new("RGB", (FINER * WIDTH, height + FINER * PROFILE), PAPER)
     relief = Image.fromarray(shaded(scenario)[::-1])
     image.paste(relief.resize((width, height), Image.Resampling.BILINEAR), (0, 0))
     canvas = ImageDraw.Draw(image, "RGBA")
     for threat in scenario.threats.tolist():
         centre = (scale * (threat[X] - x_min), scale * (y_max - threat[Y]))
         _draw_threat(canvas, centre, scale * threat[RADIUS], width)
-    canvas.rectangle(((0, height), image.size), fill=PAPER)  # the profile's, which threats do not reach
+    for corner in ((0, height), (width + 1, 0)):  # threats do not reach the profile, nor beyond the map
+        if corner[0] < image.width:
+            canvas.rectangle((corner, image.size), fill=PAPER)
     places = np.stack(
         [scale * (flight.waypoints[:, 0] - x_min), scale * (y_max - flight.waypoints[:, 1])], axis=-1
     )
