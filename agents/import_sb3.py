@@ -50,6 +50,7 @@ USUAL = {
     "initial_population_size": 80, "min_population_size": 2, "max_population_size": 200, "max_evaluations": 0,
 }  # fmt: skip
 
+_EXTRACTOR = re.compile(r"(?:pi_)?features_extractor\.")
 _HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
 
 
@@ -78,6 +79,8 @@ class ImportOptions:
     """Largest population size that the policy can choose; 200 where the zip does not say."""
     max_evaluations: int | None = None
     """Evaluation budget of an episode in the training; 0, the default where the zip does not say, is none."""
+    observations_as_they_are: bool = False
+    """State that `VecNormalize` around the environment had norm_obs=False; the zip has no statistics."""
     trust_pickle: bool = False
     """Unpickle weights that cannot be read as tensors alone. THIS RUNS CODE FROM THE ZIP."""
 
@@ -94,7 +97,9 @@ def import_sb3(options: ImportOptions) -> None:
     require_outputs([options.output], [path])
     data, content = _members(path)
     _require_tanh(path, data)
-    weights = _actor(path, _read_state(path, content, options.trust_pickle))
+    state = _read_state(path, content, options.trust_pickle)
+    _require_plain(path, data, state, options.observations_as_they_are)
+    weights = _actor(path, state)
     inputs = weights["0.weight"].shape[1]
     trained = _trained_on(options, data)
     _require_layouts(path, trained, inputs)
@@ -264,6 +269,34 @@ def _require_tanh(path: Path, data: Mapping[str, Any]) -> None:
     activation = options.get("activation_fn", "Tanh") if isinstance(options, dict) else None
     if not isinstance(activation, str) or not activation.rstrip("'>").endswith("Tanh"):
         raise PolicyFileError(f"{path}: expected a policy with activation_fn Tanh, got {activation!r:.80}")
+
+
+def _require_plain(
+    path: Path, data: Mapping[str, Any], state: Mapping[str, object], as_they_are: bool
+) -> None:
+    """Raise an error for what changes observations or actions besides the layers of the actor.
+
+    Args:
+        path: the zip, for messages.
+        data: its plain JSON.
+        state: its tensors by name.
+        as_they_are: whether the user states that `VecNormalize` left observations as they are.
+    """
+    options = data.get("policy_kwargs")
+    if isinstance(options, dict) and options.get("squash_output"):
+        raise PolicyFileError(
+            f"{path}: its actions are squashed (squash_output), which no policy file states"
+        )
+    extractor = next((name for name in state if _EXTRACTOR.match(str(name))), None)
+    if extractor is not None:
+        raise PolicyFileError(
+            f"{path}: its features extractor has weights of its own ({extractor}), which no policy file holds"
+        )
+    if data.get("_last_original_obs") is not None and not as_they_are:
+        raise PolicyFileError(
+            f"{path}: it was trained within VecNormalize, whose statistics of observations the zip lacks; "
+            "train with norm_obs=False. If that was so, say --observations-as-they-are"
+        )
 
 
 def _actor(path: Path, state: dict[str, Any]) -> Weights:

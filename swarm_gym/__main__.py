@@ -1,5 +1,6 @@
 """The commands of the package: `swarm-gym` after an installation, or `python -m swarm_gym`."""
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -53,6 +54,8 @@ def _run(name: str, arguments: list[str]) -> NoReturn:
         print(f"error: unknown command {name!r}; valid: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     sys.argv = [f"swarm-gym {name}", *arguments]
+    if not sys.flags.safe_path and os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())  # for own code, as with `python -m`, but behind what is installed
     sys.exit(_module_of(name).main())
 
 

@@ -312,6 +312,15 @@ class ChoiceVecEnv(VecEnvWrapper):
         super().__init__(env, action_space=Discrete(len(choices)))
         self.choices = choices
 
+    @property
+    def reset_infos(self) -> list[dict[str, object]]:
+        """The infos, by swarm, with which the episodes under way began."""
+        return self.venv.reset_infos
+
+    @reset_infos.setter
+    def reset_infos(self, infos: list[dict[str, object]]) -> None:
+        pass  # `VecEnv` begins with empty ones
+
     def reset(self) -> NDArray:
         """Begin new episodes of all swarms."""
         return self.venv.reset()  # type: ignore[return-value]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.kinds import kind_of, names_of_kinds, problem_of
-from swarm_gym.problem import MapProblem, OneMaxProblem, Problem, TerrainProblem
+from swarm_gym.problem import GridProblem, MapProblem, OneMaxProblem, Problem, TerrainProblem
 from swarm_gym.problem.grid.problem import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
@@ -230,6 +230,11 @@ class Worlds:
                     raise SettingError(
                         f"{purpose} needs optima, and that of terrain {problem.scenario.name!r} cannot be "
                         "computed; choose another one, such as reward 'final' or 'progress'"
+                    )
+                if isinstance(problem, GridProblem) and problem.wishes:
+                    raise SettingError(
+                        f"{purpose} needs optima, and none are known with {', '.join(problem.wishes)}; "
+                        "choose another one, such as reward 'final' or 'progress'"
                     )
                 raise SettingError(
                     f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "

@@ -55,12 +55,12 @@ def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 def objectives_as_text(suite: Suite, outcomes: Outcomes) -> str:
     """Return what the headline table says of each group by itself, as aligned text for a terminal.
 
-    It is empty where an optimum is unknown, so that there is no objective.
+    Where an optimum is unknown there is no objective, and the text says so.
     """
     try:
         tables = headline_tables(suite, outcomes)
-    except ScenarioError:
-        return ""
+    except ScenarioError as error:
+        return f"no objective: {error}; `swarm-gym optimum` computes optima that can be known"
     kept = [k for k, head in enumerate(tables[0].columns) if not head.startswith("minus")]
     lines = [tables[0].columns, *tables[0].rows]
     said = "objective: mean gap in % plus price times evaluations / 100,000 [95 % interval]"

@@ -19,6 +19,8 @@ from swarm_gym.sb3 import make_vec
 
 torch = pytest.importorskip("torch")
 stable_baselines3 = pytest.importorskip("stable_baselines3")
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor  # noqa: E402 (where there is one)
+from stable_baselines3.common.vec_env import VecNormalize  # noqa: E402
 
 FEATURES = 9  # of the layout `extended`
 
@@ -199,6 +201,45 @@ def test_options_that_do_not_fit_are_refused(zipped, options, message):
 
 def test_another_activation_is_refused(tmp_path):
     refused(saved(tmp_path, activation_fn=torch.nn.ReLU)[1], "activation_fn Tanh, got .*ReLU")
+
+
+class Weighted(BaseFeaturesExtractor):
+    """A features extractor with weights."""
+
+    def __init__(self, space):
+        super().__init__(space, 3)
+        self.layer = torch.nn.Linear(FEATURES, 3)
+
+    def forward(self, seen):
+        return self.layer(seen)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"use_sde": True, "squash_output": True}, "its actions are squashed"),
+        ({"features_extractor_class": Weighted}, r"features extractor has weights of its own \(features"),
+    ],
+)
+def test_what_else_changes_observations_or_actions_is_refused(tmp_path, options, message):
+    sde = options.pop("use_sde", False)
+    model = stable_baselines3.PPO(
+        "MlpPolicy", Nothing(), use_sde=sde, n_steps=8, batch_size=8, device="cpu", policy_kwargs=options
+    )
+    model.save(tmp_path / "some.zip")
+    refused(tmp_path / "some.zip", message, *LAYOUTS)
+
+
+def test_observations_that_were_normalised_are_refused(tmp_path):
+    swarms = VecNormalize(make_vec("firefly", 2, scenario="case1", iterations=4), norm_obs=False)
+    model = stable_baselines3.PPO("MlpPolicy", swarms, n_steps=4, batch_size=8, seed=0, device="cpu")
+    model.learn(8)
+    model.save(zipped := tmp_path / "some.zip")
+    refused(zipped, "within VecNormalize, whose statistics of observations the zip lacks")
+    main([str(zipped), str(tmp_path / "mine.safetensors"), "--observations-as-they-are"])
+    seen = np.random.default_rng(0).random((5, model.observation_space.shape[0]), np.float32)
+    expected = np.clip(model.predict(seen, deterministic=True)[0], -1.0, 1.0)
+    np.testing.assert_allclose(load_learned(tmp_path / "mine.safetensors").act(seen), expected, atol=1e-6)
 
 
 def test_pickles_beside_the_weights_are_left_alone(zipped, tmp_path):

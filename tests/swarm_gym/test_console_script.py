@@ -60,6 +60,16 @@ def test_a_command_without_its_extra_says_how_to_install_it(name, monkeypatch):
         main([name, "--help"])
 
 
+def test_a_command_finds_own_code_in_the_folder_where_it_is_called(tmp_path, monkeypatch):
+    (tmp_path / "code_of_mine.py").write_text("def main():\n    return 7\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place not in ("", str(tmp_path))])
+    monkeypatch.setitem(COMMANDS, "plan", COMMANDS["plan"]._replace(module="code_of_mine"))
+    with pytest.raises(SystemExit) as ended:
+        main(["plan"])
+    assert ended.value.code == 7
+
+
 def test_a_command_that_is_interrupted_while_it_is_imported_ends_with_130(monkeypatch, capsys):
     def interrupted(_):
         raise KeyboardInterrupt

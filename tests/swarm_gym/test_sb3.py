@@ -282,3 +282,10 @@ def test_a_policy_whose_output_is_zero_is_its_base():
     earned = run_swarms(alone, swarms, range(3, 5))
     assert [info["episode"]["r"] for info in infos] == earned.tolist()
     assert [info["best_fitness"] for info in infos] == swarms.simulation.swarms.best_fitness.tolist()
+
+
+def test_infos_of_beginnings_are_there_with_choices_too():
+    swarms = make_vec("firefly", 3, scenario=["case1", "case2"], choices=(7, 5), iterations=3)
+    swarms.set_options({"scenario": "case2"})
+    swarms.reset()
+    assert [info["scenario"] for info in swarms.reset_infos] == ["case2"] * 3
