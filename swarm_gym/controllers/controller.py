@@ -57,6 +57,8 @@ class Controller(ABC):
             of that controller.
         made_for: optimizer that it was tuned or trained on; None if it decides size and phi of any.
         needed_limits: population sizes that the environment has to allow, no more and no fewer; None is any.
+        draws_numbers: whether decisions are drawn at random. Trainings with such a base or reference go on
+            from whole chunks only.
     """
 
     observation: str = "paper"
@@ -68,6 +70,7 @@ class Controller(ABC):
     corrects: "Controller | None" = None
     made_for: str | None = None
     needed_limits: SizeLimits | None = None
+    draws_numbers: bool = False
 
     @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:
@@ -165,6 +168,7 @@ class Wrapper(Controller):
         self.corrects = controller.corrects
         self.made_for = controller.made_for
         self.needed_limits = controller.needed_limits
+        self.draws_numbers = controller.draws_numbers
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes."""

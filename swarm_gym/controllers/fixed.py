@@ -91,6 +91,8 @@ class Fixed(Controller):
 class Random(Controller):
     """Uniformly random population sizes and phi: the lower end of every comparison."""
 
+    draws_numbers = True
+
     def __init__(self, limits: SizeLimits = SizeLimits()):  # noqa: B008
         self.limits = limits
         self.initial_population_size = limits.clip(80)

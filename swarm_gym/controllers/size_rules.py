@@ -232,6 +232,8 @@ class TwoRegimes(IncreasingSize):
     spent half as much as the last run of the first regime. Both are left to the optimizer here.
     """
 
+    draws_numbers = True
+
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Forget runs, and seed one generator for each swarm."""
         super().reset(num_swarms, seed)

@@ -1,18 +1,29 @@
 """Checks of the options of algorithms, before anything is made."""
 
+from itertools import pairwise
+
 from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.controllers.learned.manifest import MAX_LAYERS, MAX_WIDTH
+from swarm_gym.controllers.learned.policy_file import MAX_FILE
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.runs.seeds import ANALYSIS, VALIDATION
 from swarm_gym.scenarios import expand_name
-from swarm_gym.training.algorithms import Evolution, GradientOptions, GroupedOptions, RecurrentPPO
+from swarm_gym.training.algorithms import (
+    ClippedOptions,
+    Evolution,
+    GradientOptions,
+    GroupedOptions,
+    RecurrentPPO,
+)
 from swarm_gym.training.config import PAIRED, TrainConfig
 
 DEVICES = ("cpu", "cuda")
 
 LARGEST_AVERAGING = 0.9999
+BYTES = 4  # of a weight
 
 
 def require_options(config: TrainConfig) -> None:
@@ -71,13 +82,52 @@ def _require_shared(config: TrainConfig) -> None:
     require_integer("validation_seeds", config.validation_seeds, 1, ANALYSIS.start - VALIDATION.start)
     for name in config.validation_scenarios:
         expand_name(name)  # raises an error for one that does not exist
-    for size in config.hidden_layers:
-        require_integer("hidden_layers", size, 1)
+    _require_network(config)
     if isinstance(config.algorithm, RecurrentPPO):
         _require_iterations(config)
     if isinstance(config.algorithm, GradientOptions):
+        # The library normalises the advantages of a minibatch, which one step does not have.
+        least = 2 if isinstance(config.algorithm, ClippedOptions) else 1
         require_number("learning_rate", config.algorithm.learning_rate, 0.0, 1e9)
-        require_integer("batch_size", config.algorithm.batch_size, 1)
+        require_integer("batch_size", config.algorithm.batch_size, least)
+        require_number("discount", config.algorithm.discount, 0.0, 1.0)
+    if isinstance(config.algorithm, ClippedOptions):
+        _require_clipped(config, config.algorithm)
+    if isinstance(config.algorithm, Evolution):
+        require_integer("candidates", config.algorithm.candidates, 2, config.num_swarms)
+        require_number("sigma", config.algorithm.sigma, 1e-9, 1e9)
+
+
+def _require_network(config: TrainConfig) -> None:
+    """Raise an error for a network that no policy file can hold."""
+    layers, memory = config.hidden_layers, config.algorithm.lstm_size
+    require_integer("number of hidden_layers", len(layers), 0, MAX_LAYERS)
+    for size in layers:
+        require_integer("hidden_layers", size, 1, MAX_WIDTH)
+    if memory is not None:
+        require_integer("lstm_size", memory, 1, MAX_WIDTH)
+    numbers = sum(into * out for into, out in pairwise(layers)) + 4 * (memory or 0) ** 2
+    if BYTES * numbers > MAX_FILE:
+        raise ValueError(
+            f"hidden_layers {list(layers)} and lstm_size {memory}: a policy has at least {BYTES * numbers} "
+            f"bytes, expected at most {MAX_FILE}"
+        )
+
+
+def _require_clipped(config: TrainConfig, options: ClippedOptions) -> None:
+    """Raise an error for options of proximal policy optimization that are out of their ranges."""
+    require_integer("epochs", options.epochs, 1)
+    require_number("gae_lambda", options.gae_lambda, 0.0, 1.0)
+    require_number("log_std", options.log_std, -20.0, 5.0)
+    require_number("entropy_weight", options.entropy_weight, -1e9, 1e9)
+    for name in ("clip_range", "target_kl"):
+        require_number(name, getattr(options, name), 1e-9, 1e9)
+    steps = options.rollout_steps if options.rollout_steps > 0 else config.iterations
+    if config.num_swarms * steps < 2:
+        raise ValueError(
+            f"num_swarms {config.num_swarms} and iterations {config.iterations}: a rollout has one step, "
+            "expected at least 2"
+        )
 
 
 def _require_iterations(config: TrainConfig) -> None:

@@ -24,7 +24,12 @@ from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.sb3 import ChoiceVecEnv, make_choices
 from swarm_gym.training.algorithms import DQN
 from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms
+from swarm_gym.training.learners.environments import (
+    draws_numbers,
+    feature_names,
+    make_reference,
+    make_swarms,
+)
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.learners.ppo import step_size
 from swarm_gym.training.learners.stopped_chunk import State, go_on, stopped_state
@@ -37,7 +42,7 @@ LEAST_EXPLORATION = 0.05
 # ranges, by so much in units of the reward.
 PREFERENCE = 0.01
 # What is kept of the last steps of all swarms; `timeouts` stay False, since no episode is truncated.
-REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones")
+REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 
 
 class ExploringDQN(stable_baselines3.DQN):
@@ -86,6 +91,9 @@ class DQNLearner(Learner):
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
         self._stopped: State | None = None  # where the present chunk can go on from
+        simulation: Any = self.env.get_attr("simulation")[0]
+        # Else resets do not lead to where episodes, and random numbers of a base, were.
+        self._stops_between_rollouts = not simulation.may_end_early and not draws_numbers(config)
 
     @property
     def num_steps(self) -> int:  # type: ignore[override]
@@ -114,6 +122,9 @@ class DQNLearner(Learner):
             # New episodes and averages, so that any chunk can be the first of a resumed run.
             model._last_obs = None
             model.ep_info_buffer = None
+            if (replay := self._replay).size():  # returns of several steps end with the episodes before
+                last = replay.pos - 1
+                replay.timeouts[last] = np.logical_not(replay.dones[last])
         else:
             stopped: Any = self._stopped
             begin = stopped["rollouts"]
@@ -122,9 +133,10 @@ class DQNLearner(Learner):
         model.exploration_rate = self._exploration(0.0)
         for rollout in range(begin, self.config.rollouts_per_chunk):
             model.learn(_steps_of_rollout(self.config), reset_num_timesteps=False, log_interval=10**9)
-            drawn = json.dumps(model.action_space.np_random.bit_generator.state)
-            self._stopped = {**stopped_state(model, rollout + 1), "choices": drawn}
-            self.after_rollout()
+            if self._stops_between_rollouts:
+                drawn = json.dumps(model.action_space.np_random.bit_generator.state)
+                self._stopped = {**stopped_state(model, rollout + 1), "choices": drawn}
+                self.after_rollout()
         self._stopped = None
         found = {name: float(value) for name, value in model.logger.name_to_value.items()}
         ended: Any = model.ep_info_buffer

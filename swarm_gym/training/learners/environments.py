@@ -15,6 +15,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.sources import Source
 from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
+from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.wrappers.paired_reward import Reference
 
 
@@ -51,9 +52,14 @@ def make_swarms(
             **beside_ways(config.source, _options_of(*first_population(config, controller))),
         },
     )
+    inner: Any = env.unwrapped
+    if config.algorithm.noise_steps != 1 and not has_groups(config) and inner.simulation.may_end_early:
+        raise ValueError(
+            f"noise_steps {config.algorithm.noise_steps}: steps that share noise share an advantage, so "
+            "episodes must end together, but these may end early; set noise_steps to 1"
+        )
     if controller is None:
         return env, None
-    inner: Any = env.unwrapped
     layout = make_action(inner.settings, get_optimizer(config.optimizer))
     try:
         base = Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
@@ -122,6 +128,18 @@ def reference_controller(config: TrainConfig) -> tuple[Controller, EnvOptions]:
     if controller.price is not None:
         raise ValueError(f"reference {config.reference!r}: it observes a price, but a reference pays none")
     return controller, {**config.env_options(), "price": 0.0, "max_evaluations": None}
+
+
+def draws_numbers(config: TrainConfig) -> bool:
+    """Return whether the base or the reference of a training draws random numbers in its episodes."""
+    asked = [config.base] + [config.reference] * (config.reward == PAIRED)
+    for name in asked:
+        controller = None if name == "none" else make_controller(name, config.limits)
+        while controller is not None:
+            if controller.draws_numbers:
+                return True
+            controller = controller.corrects
+    return False
 
 
 def _require_equal_starts(config: TrainConfig, reference: Controller) -> None:

@@ -17,11 +17,12 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import set_random_seed
 
-from swarm_gym.action import includes
+from swarm_gym.action import includes, require_same_decisions
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import Base
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.runs.seeds import TRAINING_START
 from swarm_gym.training.algorithms import PPO, ChoicePPO, ClippedOptions, GradientOptions, RecurrentPPO
 from swarm_gym.training.config import TrainConfig
@@ -29,7 +30,13 @@ from swarm_gym.training.grouped_vec_env import GroupedVecEnv
 from swarm_gym.training.imitation import Demonstration, demonstrate, imitate
 from swarm_gym.training.joined_vec_env import JoinedVecEnv
 from swarm_gym.training.learners.checks import has_groups
-from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
+from swarm_gym.training.learners.environments import (
+    draws_numbers,
+    feature_names,
+    make_reference,
+    make_swarms,
+    parts_of,
+)
 from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.learners.stopped_chunk import State, go_on, stopped_state
@@ -54,6 +61,7 @@ class PPOLearner(Learner):
         super().__init__()
         self.config, self.options = config, options
         self._stopped: State | None = None  # where the present chunk can go on from
+        self._draws_numbers = draws_numbers(config)
         self._teacher = None
         if options.warm_start != "none":
             self._teacher = make_controller(options.warm_start, config.limits)
@@ -72,6 +80,8 @@ class PPOLearner(Learner):
                     f"cannot be imitated in the layout {config.action!r}"
                 )
             try:
+                controlled = get_optimizer(config.optimizer)
+                require_same_decisions(self._teacher.made_for, self._teacher.action, controlled)
                 require_fitting(self._teacher, config.max_evaluations or None)
             except ValueError as error:
                 raise ValueError(f"warm_start {options.warm_start!r}: {error}") from error
@@ -195,7 +205,7 @@ class PPOLearner(Learner):
     @property
     def _stops_between_rollouts(self) -> bool:
         """True if each rollout is one whole episode of every swarm, and begins without the policy."""
-        if self.options.rollout_steps or self.options.branches:
+        if self.options.rollout_steps or self.options.branches or self._draws_numbers:
             return False
         simulations: list[Any] = self.env.get_attr("simulation")
         return has_groups(self.config) or not any(each.may_end_early for each in simulations)

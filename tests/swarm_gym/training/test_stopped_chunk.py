@@ -94,6 +94,33 @@ def test_a_training_that_is_stopped_within_a_chunk_goes_on_from_there(
             np.testing.assert_array_equal(again[name], values, err_msg=name)
 
 
+ARRIVES = "dynamic:case1-gate@3-4-drive@1,every=1,distance=120"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {**SHORT, "base": "random"},
+        {**DQN, **SHORT, "base": "random"},
+        {**DQN, "iterations": 30, "scenarios": (ARRIVES,), "reward": "detour"},
+    ],
+    ids=["ppo", "dqn", "dqn of robots"],
+)
+def test_where_resets_do_not_lead_to_the_same_episodes_a_training_goes_on_from_whole_chunks(
+    tmp_path, monkeypatch, options
+):
+    monkeypatch.setattr(run, "BETWEEN_CHECKPOINTS", -1.0)
+    given = {"rollouts_per_chunk": 2, "validation_seeds": 1, **options}
+    steps = 2 * 4 * given["iterations"]
+    whole = train(tmp_path, name="whole", total_steps=2 * steps, **given)
+    whole.learner.after_rollout = lambda: pytest.fail("stored within a chunk")
+    monkeypatch.setattr(whole, "_save_sometimes", whole.learner.after_rollout)
+    whole.run()
+    train(tmp_path, name="stopped", total_steps=steps, **given).run()
+    train(tmp_path, name="stopped", total_steps=2 * steps, resume=True, **given).run()
+    assert_same_weights(*(tmp_path / each / "latest.safetensors" for each in ("whole", "stopped")))
+
+
 def test_the_first_checkpoint_comes_before_the_first_validation(tmp_path, monkeypatch):
     stopped = train(tmp_path, **EVOLUTION)
 

@@ -14,8 +14,10 @@ from helpers.trainings import DQN, EVOLUTION, STEPS, make_rule, run_whole_and_st
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
+from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.runs.seeds import TEST, VALIDATION, training_seed
+from swarm_gym.settings import Settings
 from swarm_gym.training.algorithms import PPO, option_names
 from swarm_gym.training.config import SHARED
 from swarm_gym.training.learners import make_learner
@@ -49,6 +51,9 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
     events = b"".join(path.read_bytes() for path in (tmp_path / "ppo").glob("events*"))
     for scalar in (b"rollout/ep_rew_mean", b"validation/case3/final_fitness", b"sizes/iteration 011"):
         assert scalar in events
+
+
+EARLY = {"scenarios": ("dynamic:case1-gate@3-4-drive@1,every=1,distance=120",), "reward": "detour"}
 
 
 @pytest.mark.parametrize(
@@ -189,7 +194,32 @@ def test_a_stored_configuration_that_is_unreadable_or_another_is_not_resumed(tmp
         ({"validation_scenarios": ("case9",)}, "case9.*case1"),
         ({"hidden_layers": (4, 0)}, "hidden_layers must lie in"),
         ({"seed": 1.5}, "seed must be an integer"),
+        ({"hidden_layers": (5000,)}, r"hidden_layers must lie in \[1, 4096\]"),
+        ({"hidden_layers": (4,) * 17}, "number of hidden_layers must lie in"),
+        ({"hidden_layers": (4096, 4096)}, "a policy has at least 67108864 bytes"),
+        ({"algorithm": "recurrent-ppo", "lstm_size": -3}, "lstm_size must lie in"),
         ({"batch_size": 0}, "batch_size must lie in"),
+        ({"batch_size": 1}, r"batch_size must lie in \[2, "),
+        ({"num_swarms": 1, "iterations": 1}, "a rollout has one step"),
+        ({"epochs": 0}, "epochs must lie in"),
+        ({"clip_range": float("nan")}, "clip_range must lie in"),
+        ({"target_kl": -1.0}, "target_kl must lie in"),
+        ({"discount": 2.0}, "discount must lie in"),
+        ({"gae_lambda": 2.0}, "gae_lambda must lie in"),
+        ({"entropy_weight": float("nan")}, "entropy_weight must lie in"),
+        ({"log_std": 100.0}, "log_std must lie in"),
+        ({**EVOLUTION, "candidates": 0}, "candidates must lie in"),
+        ({**EVOLUTION, "candidates": 1}, "candidates must lie in"),
+        ({**EVOLUTION, "sigma": float("nan")}, "sigma must lie in"),
+        ({"noise_steps": 0, "warm_start": "none", **EARLY}, "noise_steps 0: .* these may end early"),
+        (
+            {
+                "warm_start": "open-loop:optimizers-elite-genetic-base",
+                "action": "extended-normalised",
+                "max_population_size": 200,
+            },
+            "warm_start .* was made for elite-genetic, whose decisions are",
+        ),
         ({"learning_rate": -1.0}, "learning_rate must lie in"),
         ({"action": "natural"}, "'natural'.*scaled"),
         (
@@ -203,6 +233,18 @@ def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, opti
     with pytest.raises(ValueError, match=message):
         train(tmp_path, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_policy_begins_in_use_as_in_its_training(tmp_path):
+    run = train(tmp_path, **EVOLUTION, source="smooth", total_steps=STEPS)
+    run.run()
+    policy = load_learned(run.best, run.config.limits)
+    assert policy.first_source == Settings(source="smooth").new_members
+    seeds = range(100, 104)
+    in_training, in_use = (
+        run_episodes(policy, "case3", seeds, **options) for options in (run.config.env_options(), {})
+    )
+    assert in_use.final_fitness.tolist() == in_training.final_fitness.tolist()
 
 
 @pytest.mark.parametrize("role", ["base", "warm_start"])
