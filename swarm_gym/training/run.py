@@ -16,7 +16,7 @@ from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.rollout import Episodes, look_away, run_episodes
 from swarm_gym.runs.checkpoints import Checkpoints
-from swarm_gym.runs.folder import as_json, prepare_folder
+from swarm_gym.runs.folder import RunFolderError, as_json, prepare_folder
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import VALIDATION, training_seed
 from swarm_gym.settings import Settings
@@ -26,7 +26,12 @@ from swarm_gym.training.algorithms import foreign_options
 from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
 from swarm_gym.training.events import Progress, TrainingEvents
 from swarm_gym.training.learners import make_learner
-from swarm_gym.training.learners.environments import first_population, make_base, reference_controller
+from swarm_gym.training.learners.environments import (
+    digests_of_controllers,
+    first_population,
+    make_base,
+    reference_controller,
+)
 from swarm_gym.training.pictures import make_replay_strip
 
 # Options that do not change the results of a run; in addition, a resumed run may be longer.
@@ -56,6 +61,7 @@ class TrainingRun:
         self._first_size, self._first_source = first_population(config, make_base(config))
         if self._first_source is None and config.source == SMOOTH:
             self._first_source = Settings(source=SMOOTH).new_members  # or it would begin with others in use
+        self._controllers = digests_of_controllers(config)
         # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(
             self.folder,
@@ -219,6 +225,7 @@ class TrainingRun:
             "chunk": self.chunk,
             "best_return": self.best_return,
             "events": self.events.flush(),
+            "controllers": self._controllers,
         }
         content = io.BytesIO()
         torch.save(state, content)
@@ -230,6 +237,12 @@ class TrainingRun:
         state = self.checkpoints.load(lambda content: torch.load(io.BytesIO(content), weights_only=True))
         if state is None:
             return False
+        for role, before in state.get("controllers", {}).items():  # earlier versions stored none
+            if self._controllers.get(role) != before:
+                raise RunFolderError(
+                    f"--resume: {role} {getattr(self.config, role)!r} has changed since {self.folder} was "
+                    "trained with it; train under another --name"
+                )
         self.learner.load(state["learner"])
         self.chunk = state["chunk"]
         self.best_return = state["best_return"]

@@ -1,5 +1,7 @@
 """Environments of a training: the swarms of the policy, and of the reference of a paired reward."""
 
+import hashlib
+import json
 from typing import Any
 
 import gymnasium
@@ -130,11 +132,25 @@ def reference_controller(config: TrainConfig) -> tuple[Controller, EnvOptions]:
     return controller, {**config.env_options(), "price": 0.0, "max_evaluations": None}
 
 
+def controllers_beside(config: TrainConfig) -> dict[str, Controller]:
+    """Return the base and the reference of a training, those that it has, by their options."""
+    names = {"base": config.base, **({"reference": config.reference} if config.reward == PAIRED else {})}
+    return {role: make_controller(name, config.limits) for role, name in names.items() if name != "none"}
+
+
+def digests_of_controllers(config: TrainConfig) -> dict[str, str]:
+    """Return a digest of what the base and the reference of a training are, by their options."""
+    found = controllers_beside(config)
+    return {
+        role: hashlib.sha256(json.dumps(one.identity(), sort_keys=True).encode()).hexdigest()
+        for role, one in found.items()
+    }
+
+
 def draws_numbers(config: TrainConfig) -> bool:
     """Return whether the base or the reference of a training draws random numbers in its episodes."""
-    asked = [config.base] + [config.reference] * (config.reward == PAIRED)
-    for name in asked:
-        controller = None if name == "none" else make_controller(name, config.limits)
+    for one in controllers_beside(config).values():
+        controller: Controller | None = one
         while controller is not None:
             if controller.draws_numbers:
                 return True

@@ -13,6 +13,7 @@ from agents import SizeLimits, make_controller
 from helpers.trainings import DQN, EVOLUTION, STEPS, make_rule, run_whole_and_stopped, tiny_config, train
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
+from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.folder import RunFolderError
@@ -266,6 +267,18 @@ def test_joined_layouts_and_budgets_that_end_all_episodes_early_can_be_trained_w
     best = train(tmp_path / "a@b", **EVOLUTION, total_steps=4, **options).run()
     controller = make_controller(f"learned:{best}", SizeLimits(2, 12))
     assert controller.action == options.get("action", "normalised")
+
+
+@pytest.mark.parametrize("role", ["base", "reference"])
+def test_a_run_goes_on_beside_the_same_controllers_only(tmp_path, role):
+    save_tuned(file := tmp_path / "mine.json", "fixed:4", {})
+    given = {role: f"tuned:{file}", **({"reward": "paired"} if role == "reference" else {})}
+    options = {**EVOLUTION, **given} if role == "base" else {"warm_start": "none", **given}
+    train(tmp_path / "runs", total_steps=STEPS, **options).run()
+    train(tmp_path / "runs", total_steps=STEPS, resume=True, **options)
+    save_tuned(file, "spsfa-tip:initial_population_size=4", {})
+    with pytest.raises(RunFolderError, match=f"{role} 'tuned:.*has changed since .*another --name"):
+        train(tmp_path / "runs", total_steps=2 * STEPS, resume=True, **options)
 
 
 def test_a_run_that_was_stopped_before_its_first_checkpoint_begins_anew(tmp_path):
