@@ -16,7 +16,7 @@ import tyro
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.folder import RunFolderError
-from swarm_gym.training.algorithms import EVERY_OPTION, foreign_options, refuse_foreign
+from swarm_gym.training.algorithms import EVERY_OPTION, Algorithm, foreign_options, refuse_foreign
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.presets import load_preset
 
@@ -47,7 +47,8 @@ def without_foreign(arguments: Sequence[str] | None, algorithm: str) -> list[str
 
     A preset may give options of another algorithm than the command line names. So commands state options of
     algorithms that they do not use, such as `--algorithm evolution --warm-start none`. They are accepted as
-    long as they have no effect, see `algorithms.refuse_foreign`.
+    long as they have no effect, see `algorithms.refuse_foreign`; a note on standard error names those of them
+    that would have one with another algorithm.
 
     Raises:
         ValueError: for an option that would have an effect.
@@ -69,7 +70,12 @@ def without_foreign(arguments: Sequence[str] | None, algorithm: str) -> list[str
         fields = [(option, kind, default) for option, (kind, default) in EVERY_OPTION.items()]
         form = dataclasses.make_dataclass("OptionsOfOthers", fields, frozen=True)
         given: object = tyro.cli(form, args=taken)
-        refuse_foreign(algorithm, {option: getattr(given, option) for option in stated})
+        values = {option: getattr(given, option) for option in stated}
+        refuse_foreign(algorithm, values)
+        for option, value in sorted(values.items()):
+            if value != getattr(Algorithm, option, EVERY_OPTION[option][1]):
+                name = option.replace("_", "-")
+                print(f"note: --{name} {value} changes nothing with {algorithm}", file=sys.stderr)
     return kept
 
 

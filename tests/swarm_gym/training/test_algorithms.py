@@ -211,10 +211,12 @@ def test_a_command_line_gives_options_of_the_algorithm_that_it_names():
         ["--clip-range", "0.3", "--candidates", "8", "--size_choices", "-0.3", "-0.15", "0", "0.15", "0.3"],
     ],
 )
-def test_options_of_other_algorithms_that_have_no_effect_are_accepted(arguments):
+def test_options_of_other_algorithms_that_have_no_effect_are_accepted(arguments, capsys):
     given = read_command_line(["--preset", "three-cases", "--algorithm", "evolution", *arguments])
     expected = dataclasses.replace(load_preset("three-cases"), algorithm=Evolution(candidates=8))
     assert given.config == expected
+    note = "note: --clip-range 0.3 changes nothing with evolution\n" if "--clip-range" in arguments else ""
+    assert capsys.readouterr().err == note
 
 
 @pytest.mark.parametrize(
