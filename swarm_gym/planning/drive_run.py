@@ -179,6 +179,7 @@ class DriveRun:
             task.projection,
             {"length": curve.length},
             curve=curve,
+            reference=task.reference,
         )
 
     def _keep(self, curve: Curve, found_by: str) -> None:

@@ -34,7 +34,7 @@ def read_feature_map(
     margin: float,
     workspace: RobotWorkspace | None,
     coordinates: str | None,
-) -> tuple[Scenario, Projection | None]:
+) -> tuple[Scenario, Projection | None, object]:
     """Return the task among the features of a file.
 
     Features without a geometry are left out, with one warning.
@@ -48,7 +48,8 @@ def read_feature_map(
         coordinates: kind of the coordinates, see `COORDINATES`; None takes what the file names.
 
     Returns:
-        The scenario in map units, and the projection that brought it there; None if the file is in map units.
+        The scenario in map units, the projection that brought it there, None if the file is in map units, and
+        the member "crs" of the file, None without one.
 
     Raises:
         ScenarioError: if the file is malformed, or an end lies in a feature, too close to it, or outside the
@@ -80,7 +81,9 @@ def read_feature_map(
     obstacles = tuple(one for shape in shapes for one in obstacles_of(shape, extent, half_width))
     low, high = points.min(axis=0) - MARGIN * extent, points.max(axis=0) + MARGIN * extent
     scenario = Scenario(path.stem, ends[0], ends[1], obstacles, (*low.tolist(), *high.tolist()))
-    return scenario if area is None else confined(scenario, area), projection
+    if area is not None:
+        scenario = confined(scenario, area)
+    return scenario, projection, features.reference
 
 
 def _kind(

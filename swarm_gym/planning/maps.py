@@ -49,10 +49,12 @@ class ReadMap(NamedTuple):
     Attributes:
         scenario: the map as it is.
         projection: projection that it comes from; None for coordinates in a plane.
+        reference: member "crs" of a GeoJSON file, which names its coordinates; None without one.
     """
 
     scenario: MapScenario
     projection: Projection | None = None
+    reference: object = None
 
 
 def read_any_map(

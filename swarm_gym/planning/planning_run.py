@@ -135,6 +135,7 @@ class PlanningRun:
             self._for_user(),
             self._task.projection,
             {"length": best.length},
+            reference=self._task.reference,
         )
 
     @property
@@ -232,4 +233,5 @@ class PlanningRun:
             self._costs(path),
             None if self._before is None else self._corridors.differ(self._before, path),
             alternatives,
+            reference=task.reference,
         )

@@ -60,6 +60,7 @@ class Plan:
         curve: the path as a curve that can be driven; None without a turning radius.
         undrivable: paths that turn on the spot, (k, 2) each, through corridors in which no curve was found
             for `alternatives`; empty without a turning radius.
+        reference: member "crs" of a GeoJSON file, which names its coordinates; None without one.
     """
 
     map: MapScenario
@@ -78,6 +79,7 @@ class Plan:
     alternatives: tuple[Alternative, ...] = ()
     curve: Curve | None = None
     undrivable: tuple[Floats, ...] = ()
+    reference: object = None
 
     @property
     def path_on_map(self) -> Floats:

@@ -44,22 +44,3 @@ def kept_corridor(
         return None
     along = bettered(along)
     return along if cost_of(along) <= most else None
-
-
-def rest_of(path: Floats, start: tuple[float, float]) -> Floats:
-    """Return the rest of a path, (k, 2), for a robot off it, which first goes to the nearest point of it.
-
-    Args:
-        path: points from a former start to the goal.
-        start: place of the robot.
-    """
-    points = np.asarray(path, dtype=np.float64)
-    begins, changes = points[:-1], np.diff(points, axis=0)
-    squares = (changes**2).sum(axis=1)
-    along = ((np.asarray(start) - begins) * changes).sum(axis=1)
-    share = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=squares > 0.0), 0.0, 1.0)
-    feet = begins + share[:, None] * changes
-    k = int(np.argmin(np.hypot(*(feet - start).T)))
-    rest = np.vstack([start, feet[k : k + 1], points[k + 1 :]])
-    is_new = np.append(True, (np.diff(rest[:-1], axis=0) != 0.0).any(axis=1))
-    return np.vstack([rest[:-1][is_new & (rest[:-1] != rest[-1]).any(axis=1)], rest[-1]])

@@ -40,6 +40,7 @@ class Task:
         projection: projection from the user's longitudes and latitudes to map units, which are metres then;
             None if the user's coordinates are map units.
         is_stopped: whether planning shall end; the exact planner of a disc asks for it, again and again.
+        reference: member "crs" of a GeoJSON file, which names its coordinates; None without one.
     """
 
     given: MapScenario
@@ -50,6 +51,7 @@ class Task:
     goal: Point
     projection: Projection | None
     is_stopped: Callable[[], bool] = field(default=never, repr=False, compare=False)
+    reference: object = None
 
     @property
     def costs(self) -> Floats | None:
@@ -159,7 +161,8 @@ def read_task(
         return Task(given, margin, Frame(), bare, *ends, projection, is_stopped)
     frame = Frame.of(given)
     try:
-        task = Task(given, margin, frame, frame.moved(given), *ends, projection, is_stopped)
+        moved = frame.moved(given)
+        task = Task(given, margin, frame, moved, *ends, projection, is_stopped, read.reference)
         _ = task.grown  # making it checks the ends
     except ScenarioError as error:
         raise ScenarioError(_refusal(given, margin) or str(error)) from error

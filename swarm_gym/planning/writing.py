@@ -32,10 +32,12 @@ def as_csv(plan: Plan) -> str:
 
 def as_geojson(plan: Plan) -> str:
     """Return a feature with a line string, in the map's coordinates, or one for each alternative."""
+    content = _feature(plan)
     if len(plan.alternatives) > 1:
-        features = [_feature(one) for one in _each(plan)]
-        return json.dumps({"type": "FeatureCollection", "features": features}, indent=1) + "\n"
-    return json.dumps(_feature(plan), indent=1) + "\n"
+        content = {"type": "FeatureCollection", "features": [_feature(one) for one in _each(plan)]}
+    if plan.reference is not None:  # without it, readers take coordinates for degrees
+        content["crs"] = plan.reference
+    return json.dumps(content, indent=1) + "\n"
 
 
 def _each(plan: Plan) -> list[Plan]:

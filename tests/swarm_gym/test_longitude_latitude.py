@@ -13,7 +13,7 @@ from swarm_gym.plan import main
 from swarm_gym.planning import Planner, plan
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.tasks import read_task
-from swarm_gym.planning.writing import as_ros_path
+from swarm_gym.planning.writing import as_geojson, as_ros_path
 from swarm_gym.scenarios.formats.geographic import (
     GEOGRAPHIC,
     PLANE,
@@ -267,3 +267,14 @@ def test_the_rest_of_a_previous_path_is_measured_in_metres(tmp_path, latitude):
     found = planner.plan(degrees(0, 0), degrees(400, 140), previous=before)
     assert found.switched is False
     assert found.length == pytest.approx(3540, abs=40)
+
+
+@pytest.mark.parametrize("options", [{}, {"alternatives": 2}, {"turning_radius": 1.0}])
+def test_geojson_repeats_the_coordinate_system_of_the_map(tmp_path, options):
+    system = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}
+    block = [[500_004, 5_300_004], [500_006, 5_300_004], [500_006, 5_300_006], [500_004, 5_300_004]]
+    shape = {"type": "Polygon", "coordinates": [block]}
+    for crs in ({"crs": system}, {}):
+        (file := tmp_path / "block.geojson").write_text(json.dumps({**shape, **crs}))
+        found = plan(file, (500_000, 5_300_000), (500_010, 5_300_010), coordinates="plane", **options)
+        assert json.loads(as_geojson(found)).get("crs") == crs.get("crs")

@@ -11,7 +11,7 @@ from helpers.plans import assert_free, obstacles_of
 from swarm_gym.errors import SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
-from swarm_gym.planning.steady import rest_of
+from swarm_gym.planning.previous import rest_of
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Scenario, make_scenario
 
 WIDTH, HEIGHT = 41, 41
