@@ -24,7 +24,8 @@ from experiments.tables.table import Table
 from swarm_gym.command import command
 from swarm_gym.errors import ScenarioError
 from swarm_gym.planning import plan
-from swarm_gym.planning.steady import SWITCH_MARGIN, rest_of
+from swarm_gym.planning.previous import rest_of
+from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.problem.geometry.polylines import evenly_spaced
 from swarm_gym.reference import shortest_path
 from swarm_gym.runs.provenance import git_commit
