@@ -278,8 +278,8 @@ def _require_plain(
 
     Args:
         path: the zip, for messages.
-        data: its plain JSON.
-        state: its tensors by name.
+        data: plain JSON of the zip.
+        state: tensors of the zip by name.
         as_they_are: whether the user states that `VecNormalize` left observations as they are.
     """
     options = data.get("policy_kwargs")

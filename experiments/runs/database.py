@@ -68,7 +68,7 @@ class Results:
         path: file of the database.
         connection: connection with SQLite.
         changed: notices on entries that were kept aside, two lines each.
-        identities: what the controllers of the configuration are, as JSON by name.
+        identities: identities of the controllers of the configuration, as JSON by name.
 
     Raises:
         ResultsError: if the file is not a results database, or holds runs of another configuration.

@@ -105,7 +105,7 @@ def run_unit(
         unit: controller, scenario and seeds.
         experiment: experiment that gives the optimizer and the options.
         made_with: versions and commit that the runs are made with.
-        identities: what the database holds of each controller, as JSON; others are not compared.
+        identities: identities of controllers that the database states, as JSON by name; no others count.
 
     Raises:
         ResultsError: if the controller that this process loads is another one than the database states.
