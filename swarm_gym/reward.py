@@ -269,6 +269,8 @@ class RewardCheck:
                 f"reward {self._name!r} must return an array of shape ({num_swarms},), one number for each "
                 f"swarm, got {found}"
             )
+        if isinstance(reward, np.ndarray) and reward.dtype.kind not in "biuf":
+            raise OwnCodeError(f"reward {self._name!r} must return numbers, got the type {reward.dtype}")
 
     def check_numbers(self, paid: Floats, iterations: NDArray[np.int64], xp: Namespace) -> None:
         """Raise an error if a swarm is paid what is no finite number.
@@ -284,8 +286,6 @@ class RewardCheck:
         if self._begun and xp is not np:
             return
         self._begun = True
-        if xp is np and paid.dtype.kind not in "biuf":
-            raise OwnCodeError(f"reward {self._name!r} must return numbers, got the type {paid.dtype}")
         # The sum is quicker to check than every number, and not finite if one of them is not.
         if math.isfinite(paid.sum()):
             return

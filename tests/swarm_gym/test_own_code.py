@@ -470,6 +470,9 @@ def infinite(transition):
 def words(transition):
     return np.full(len(transition.cost), "much", dtype=object)
 
+def texts(transition):
+    return np.full(len(transition.cost), "much")
+
 def nothing_for_those_who_rest(transition):
     return np.where(transition.cost > 0.0, 1.0, np.nan)
 """
@@ -492,6 +495,7 @@ class TestRewards:
             ("lost_later", "'paid:lost_later' of swarm 2 in iteration 3 is nan, expected a finite number"),
             ("infinite", "'paid:infinite' of swarm 0 in iteration 1 is -inf"),
             ("words", "'paid:words' must return numbers, got the type object"),
+            ("texts", "'paid:texts' must return numbers, got the type <U4"),
         ],
     )
     def test_what_is_no_number_for_each_swarm_is_refused(self, name, expected):
