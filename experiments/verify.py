@@ -100,7 +100,7 @@ def cases_of(config: VerifyConfig) -> list[SubmittedCase]:
     Raises:
         ValueError, ResultsError: for a refused submission or claim; `submitted_cases` lists the reasons.
     """
-    if config.scores != SCORES and not config.scores.is_dir():
+    if config.claim is None and config.scores != SCORES and not config.scores.is_dir():
         raise ScoreFileError(f"--scores {config.scores}: there is no such folder")
     stored = StoredScores(config.scores)
     if config.files:

@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple, NoReturn
@@ -54,8 +55,9 @@ def _run(name: str, arguments: list[str]) -> NoReturn:
         print(f"error: unknown command {name!r}; valid: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     sys.argv = [f"swarm-gym {name}", *arguments]
-    if not sys.flags.safe_path and os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())  # for own code, as with `python -m`, but behind what is installed
+    if not sys.flags.safe_path:
+        with suppress(FileNotFoundError):  # the folder may have been deleted
+            sys.path.append(os.getcwd())  # for own code, as with `python -m`, but behind what is installed
     sys.exit(_module_of(name).main())
 
 

@@ -103,6 +103,7 @@ def environment_configuration(experiment: Experiment) -> dict[str, Any]:
     # Given ones win over those of controllers.
     found |= {name: experiment.options.get(name) for name in ("max_evaluations", "price")}
     options: dict[str, Any] = with_encoding(optimizers_of(experiment), experiment.options)
+    options.pop("iterations", None)  # an entrant may have its own, and problems do not depend on them
     for name in experiment.scenarios:
         problem = make_problem(name, **options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]

@@ -9,7 +9,7 @@ from agents import Controller, make_controller
 from agents.evaluation.masking import load_blinded
 from experiments.runs.experiment import Experiment
 from experiments.runs.run import Run, RunKey, Snapshot
-from swarm_gym.comparing.entrants import entrant, environment_of, iterate
+from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.own_code import is_own, own
@@ -35,7 +35,7 @@ class Episode:
         self._kept = experiment.kept_iterations(key)
         name, scenario, self._seed = key
         runs = entrant(name, experiment.optimizer)
-        warm_up(runs.optimizer, experiment)
+        warm_up(runs, experiment)
         self._controller = controller_of(runs.controller)
         self._env = environment_of(runs, self._controller, scenario, experiment.options)
         self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
@@ -90,9 +90,10 @@ def _controller(name: str, code: object) -> Controller:  # noqa: ARG001 (another
     return load_blinded(parts.argument) if parts.family == BLINDED else make_controller(name)
 
 
-def warm_up(optimizer: str, experiment: Experiment) -> None:
-    """Compile or load the kernels that the runs of an experiment need with an optimizer, once per process."""
-    _warm_up(optimizer, tuple({"scenario": experiment.scenarios[0], **experiment.options}.items()))
+def warm_up(runs: Entrant, experiment: Experiment) -> None:
+    """Compile or load the kernels that the runs of an entrant of an experiment need, once per process."""
+    options = {"scenario": experiment.scenarios[0], **experiment.options, **runs.options}
+    _warm_up(runs.optimizer, tuple(options.items()))
 
 
 @cache

@@ -78,8 +78,8 @@ def store_missing(experiment: Experiment, results: Results, backend: Backend) ->
 
 def warm_up_all(experiment: Experiment) -> None:
     """Compile or load the kernels that the runs of an experiment need, in this process."""
-    for optimizer in {entrant(name, experiment.optimizer).optimizer for name in experiment.controllers}:
-        warm_up(optimizer, experiment)
+    for name in experiment.controllers:
+        warm_up(entrant(name, experiment.optimizer), experiment)
 
 
 def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:

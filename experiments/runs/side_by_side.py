@@ -53,7 +53,7 @@ def run_side_by_side(
         made_with: versions and commit that the runs are made with.
     """
     runs = entrant(controller, experiment.optimizer)
-    warm_up(runs.optimizer, experiment)
+    warm_up(runs, experiment)
     decides = controller_of(runs.controller)
     options: dict[str, Any] = options_of(runs, decides, experiment.options)
     swarms = SwarmVectorEnv(

@@ -33,8 +33,7 @@ class OpenLoop(Controller):
 
     Args:
         knots: decisions at a few iterations.
-        limits: population sizes that the environment allows; by default those that environments have by
-            default, and all sizes of the knots.
+        limits: population sizes that the environment allows.
 
     Attributes:
         knots: decisions at a few iterations.
@@ -42,8 +41,7 @@ class OpenLoop(Controller):
         decisions: (iterations up to the last knot, number of decisions) decisions in natural units.
     """
 
-    def __init__(self, knots: Knots, limits: SizeLimits | None = None):
-        limits = limits or SizeLimits().widened(knots.initial_population_size, *knots.sizes)
+    def __init__(self, knots: Knots, limits: SizeLimits = SizeLimits()):  # noqa: B008
         self.knots = knots
         self.action = knots.action
         self.first_source = knots.first_source
@@ -94,7 +92,7 @@ def packaged_open_loops() -> list[str]:
     return OPEN_LOOPS.names()
 
 
-def load_open_loop(name: str, limits: SizeLimits | None = None) -> OpenLoop:
+def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  # noqa: B008
     """Return the open loop of a packaged file by its name, or of the file at a path.
 
     Raises:

@@ -56,7 +56,7 @@ class ReactingLoop(Wrapper):
         return np.rint(expm1(observations[:, column(self.observation, SINCE_RISE)] * log1p(length)))
 
 
-def load_reacting_loop(name: str, limits: SizeLimits | None = None) -> ReactingLoop:
+def load_reacting_loop(name: str, limits: SizeLimits = SizeLimits()) -> ReactingLoop:  # noqa: B008
     """Return the reacting loop of a packaged open loop by its name, or of the file at a path.
 
     Raises:

@@ -60,8 +60,7 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     Args:
         name: the family, and after a colon its argument.
         limits: population sizes that the environment allows; by default those that a policy was trained with
-            or a controller was tuned with, for an open loop all its sizes, and for all others those that
-            environments have by default.
+            or a controller was tuned with, and for all others those that environments have by default.
 
     Raises:
         UnknownNameError: for an unknown family; the message lists the valid ones.
@@ -105,7 +104,7 @@ def make_controller_for(
         ValueError: as in `make_controller`.
     """
     parts = ControllerName.parse(name)
-    return make_controller(name, None if parts.family in _KEEP_LIMITS else limits_of(optimizer, options))
+    return make_controller(name, None if parts.family in _WITH_LIMITS else limits_of(optimizer, options))
 
 
 def limits_of(optimizer: str, options: Mapping[str, object]) -> SizeLimits:
@@ -212,16 +211,10 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     **{name: rule.from_argument for name, rule in onemax_rules.RULES.items()},
     "share": onemax_schedules.ShareSchedule.from_argument,
 }
-# Families whose files state the size limits that they keep in all environments.
-_KEEP_LIMITS: dict[str, Callable[[str], Controller]] = {
+# Families whose files state the size limits that are used where none are given.
+_WITH_LIMITS: dict[str, Callable[[str], Controller]] = {
     "learned": load_learned,
     "together": _together,
     "tuned": _tuned,
     "distilled": load_rule,
-}
-# Families whose files tell the size limits that are used where none are given.
-_WITH_LIMITS: dict[str, Callable[[str], Controller]] = {
-    **_KEEP_LIMITS,
-    "open-loop": load_open_loop,
-    "reacting-loop": load_reacting_loop,
 }

@@ -1,6 +1,5 @@
 """Population sizes that an environment allows."""
 
-import math
 from dataclasses import dataclass
 
 
@@ -21,11 +20,6 @@ class SizeLimits:
     def identity(self) -> tuple[int, int]:
         """Return both sizes, as a part of the identity of a controller."""
         return int(self.smallest), int(self.largest)
-
-    def widened(self, *sizes: float) -> "SizeLimits":
-        """Return the least limits that allow these sizes, too."""
-        smallest, largest = math.floor(min(sizes)), math.ceil(max(sizes))
-        return SizeLimits(max(min(self.smallest, smallest), 1), max(self.largest, largest))
 
     def clip(self, size: int) -> int:
         """Return the nearest allowed size."""

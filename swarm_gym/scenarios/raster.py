@@ -40,25 +40,25 @@ def rasterised(scenario: Scenario, cell_size: float) -> GridScenario:
         )
     origin = (x_min + cell_size / 2.0, y_min + (height - 0.5) * cell_size)
     empty = GridMap(scenario.name, np.zeros((height, width), np.bool_), cell_size, origin, y_up=True)
-    blocked = np.zeros((height, width), np.bool_)
+    blocked = _beyond(empty, [empty.cell_of(end) for end in (scenario.start, scenario.target)])
+    wider = GridMap(scenario.name, np.zeros_like(blocked), cell_size, origin, y_up=True)
     for obstacle in scenario.obstacles:
-        blocked |= cells_of(obstacle, empty)
-    blocked = _with_edges(blocked, [empty.cell_of(end) for end in (scenario.start, scenario.target)])
+        blocked |= cells_of(obstacle, wider)
     grid = GridMap(scenario.name, blocked, cell_size, origin, y_up=True)
     return GridScenario(scenario.name, grid, scenario.start, scenario.target)
 
 
-def _with_edges(blocked: NDArray[np.bool_], ends: Sequence[Cell]) -> NDArray[np.bool_]:
-    """Return a map with a column on the right and a row below where ends need them, else blocked there."""
-    height, width = blocked.shape
+def _beyond(empty: GridMap, ends: Sequence[Cell]) -> NDArray[np.bool_]:
+    """Return cells with a column on the right and a row below where ends need them, blocked but for these."""
+    height, width = empty.height, empty.width
     columns, rows = (any(end[axis] == size for end in ends) for axis, size in ((0, width), (1, height)))
-    wider = np.pad(blocked, ((0, int(rows)), (0, int(columns))), constant_values=True)
+    blocked = np.pad(empty.blocked, ((0, int(rows)), (0, int(columns))), constant_values=True)
     for column, row in ends:
-        if column == width or row == height:
-            wider[row, column] = False
+        if (column == width and 0 <= row <= height) or (row == height and 0 <= column <= width):
+            blocked[row, column] = False
         if column == width and row == height:  # the way out of the corner
-            wider[row, column - 1] = False
-    return wider
+            blocked[row, column - 1] = False
+    return blocked
 
 
 def cells_of(obstacle: Obstacle, grid: GridMap) -> NDArray[np.bool_]:

@@ -19,9 +19,7 @@ from swarm_gym.runs.checkpoints import Checkpoints
 from swarm_gym.runs.folder import RunFolderError, as_json, prepare_folder
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import VALIDATION, training_seed
-from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
-from swarm_gym.sources import SMOOTH
 from swarm_gym.training.algorithms import foreign_options
 from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
 from swarm_gym.training.events import Progress, TrainingEvents
@@ -31,6 +29,7 @@ from swarm_gym.training.learners.environments import (
     first_population,
     make_base,
     reference_controller,
+    stated_source,
 )
 from swarm_gym.training.pictures import make_replay_strip
 
@@ -58,9 +57,8 @@ class TrainingRun:
         # Read once, since the imported code is what runs, whatever changes on the disk.
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
-        self._first_size, self._first_source = first_population(config, make_base(config))
-        if self._first_source is None and config.source == SMOOTH:
-            self._first_source = Settings(source=SMOOTH).new_members  # or it would begin with others in use
+        self._first_size, source = first_population(config, make_base(config))
+        self._first_source = stated_source(config, source)  # or the policy would begin with others in use
         self._controllers = digests_of_controllers(config)
         # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(

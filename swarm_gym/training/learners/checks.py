@@ -1,5 +1,6 @@
 """Checks of the options of algorithms, before anything is made."""
 
+import math
 from itertools import pairwise
 
 from swarm_gym.action import require_same_decisions
@@ -94,7 +95,7 @@ def _require_shared(config: TrainConfig) -> None:
     if isinstance(config.algorithm, ClippedOptions):
         _require_clipped(config, config.algorithm)
     if isinstance(config.algorithm, Evolution):
-        require_integer("candidates", config.algorithm.candidates, 2, config.num_swarms)
+        require_integer("candidates", config.algorithm.candidates, 2)
         require_number("sigma", config.algorithm.sigma, 1e-9, 1e9)
 
 
@@ -121,7 +122,7 @@ def _require_clipped(config: TrainConfig, options: ClippedOptions) -> None:
     require_number("log_std", options.log_std, -20.0, 5.0)
     require_number("entropy_weight", options.entropy_weight, -1e9, 1e9)
     for name in ("clip_range", "target_kl"):
-        require_number(name, getattr(options, name), 1e-9, 1e9)
+        require_number(name, getattr(options, name), 1e-9, math.inf)
     steps = options.rollout_steps if options.rollout_steps > 0 else config.iterations
     if config.num_swarms * steps < 2:
         raise ValueError(

@@ -14,8 +14,10 @@ from swarm_gym.controllers.controller import beside_ways
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.own_code import is_own, origin_of
 from swarm_gym.registration import environment_id
-from swarm_gym.sources import Source
+from swarm_gym.settings import Settings
+from swarm_gym.sources import GUIDED, UNIFORM, Source
 from swarm_gym.training.config import PAIRED, EnvOptions, TrainConfig
 from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.wrappers.paired_reward import Reference
@@ -100,6 +102,16 @@ def first_population(config: TrainConfig, base: Controller | None) -> tuple[int,
     return base.initial_population_size, base.first_source
 
 
+def stated_source(config: TrainConfig, source: Source | None) -> Source | None:
+    """Return a source of first members that a controller states, or that of the environments of a training.
+
+    It is None for the default of environments, and for planned ways, which depend on the map.
+    """
+    if source is None and config.source not in (UNIFORM, GUIDED):
+        return Settings(source=config.source).new_members
+    return source
+
+
 def _options_of(size: int, source: Source | None) -> dict[str, Any]:
     return {"initial_population_size": size, **(source.options() if source is not None else {})}
 
@@ -140,11 +152,13 @@ def controllers_beside(config: TrainConfig) -> dict[str, Controller]:
 
 def digests_of_controllers(config: TrainConfig) -> dict[str, str]:
     """Return a digest of what the base and the reference of a training are, by their options."""
-    found = controllers_beside(config)
-    return {
-        role: hashlib.sha256(json.dumps(one.identity(), sort_keys=True).encode()).hexdigest()
-        for role, one in found.items()
-    }
+    found = {}
+    for role, one in controllers_beside(config).items():
+        name = getattr(config, role)
+        code = origin_of("controller", name) if is_own("controller", name) else None
+        said = json.dumps([one.identity(), code], sort_keys=True, default=lambda value: type(value).__name__)
+        found[role] = hashlib.sha256(said.encode()).hexdigest()
+    return found
 
 
 def draws_numbers(config: TrainConfig) -> bool:
@@ -161,7 +175,8 @@ def draws_numbers(config: TrainConfig) -> bool:
 def _require_equal_starts(config: TrainConfig, reference: Controller) -> None:
     """Raise an error if a reference begins with another first population than the policy."""
     size, source = first_population(config, make_base(config))
-    theirs = reference.initial_population_size, reference.first_source
+    source = stated_source(config, source)
+    theirs = reference.initial_population_size, stated_source(config, reference.first_source)
     if theirs != (size, source):
         with_source = f" from the source {source}, theirs from {theirs[1]}" if theirs[1] != source else ""
         raise ValueError(

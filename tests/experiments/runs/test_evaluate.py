@@ -391,6 +391,16 @@ def test_the_database_is_readable_by_anyone(database):
     assert count == len(KEYS)
 
 
+def test_an_entrant_with_long_episodes_may_run_on_a_late_event(tmp_path):
+    for options, scenario, name in (
+        ({}, "dynamic:case1-block@120", "firefly(121)+fixed:5"),
+        ({"iterations": 20}, "dynamic:case1-block@29", "firefly(31)+fixed:5"),
+    ):
+        suite = Suite("late", (name,), (scenario,), 2, name, options=options)
+        with results_of(suite, tmp_path / f"{len(options)}.sqlite") as made:
+            assert len(made.finished()) == 2
+
+
 def test_a_controller_whose_file_is_replaced_while_runs_are_made_is_refused(tmp_path):
     tuned = tmp_path / "tuned.json"
     save_tuned(tuned, "spsfa:growth=500", {})

@@ -61,6 +61,7 @@ def rows():
 
 
 def asked(folder, *files, **options):
+    (folder / "scores").mkdir(exist_ok=True)
     return VerifyConfig(files, **{"suite": "headline", "scores": folder / "scores", **options})
 
 
@@ -110,6 +111,11 @@ def test_what_was_measured_is_verified_bit_for_bit(tmp_path, capsys):
         said = capsys.readouterr().out
         assert f"{name}: equal bit for bit, 4 runs of headline" in said
         assert "1 verified: 1 equal bit for bit" in said
+
+
+def test_a_folder_of_scores_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(ScoreFileError, match=r"--scores .*misspelt: there is no such folder"):
+        verify(asked(tmp_path, POLICY, scores=tmp_path / "misspelt"))
 
 
 def test_stored_runs_of_a_study_are_a_claim(tmp_path, capsys):

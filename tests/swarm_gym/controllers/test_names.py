@@ -38,6 +38,7 @@ OTHER_NAMES = {
     "swarm_gym/compiler": "files of the compiler",
     "swarm_gym/observation.py": "observation layouts joined by +",
     "swarm_gym/own_code.py": "modules and attributes of own code",
+    "swarm_gym/registration.py": "modules and attributes of own code",
     "swarm_gym/training/own_names.py": "observation layouts joined by +",
     "swarm_gym/controllers/learned/manifest.py": "observation layouts joined by +",
     "agents/backends/ray_backend.py": "addresses of clusters",

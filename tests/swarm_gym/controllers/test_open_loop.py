@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from agents import SizeLimits, make_controller
+from agents import SizeLimits
 from helpers.slow import slow_but
 from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import (
@@ -105,16 +105,6 @@ def test_sizes_keep_the_limits():
     loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES), SizeLimits(12, 40))
     sizes = decided(loop, range(12))[:, 0]
     assert (sizes.min(), sizes.max(), loop.initial_population_size) == (12, 40, 40)
-
-
-def test_sizes_beyond_the_default_limits_are_kept_where_no_limits_are_given(tmp_path):
-    save_open_loop(path := tmp_path / "large.json", Knots(450, [0, 9], [450.0, 300.0], [0.0, 0.0]), {})
-    for name in ("open-loop", "reacting-loop"):
-        controller = make_controller(f"{name}:{path}")
-        loop = getattr(controller, "loop", controller)
-        assert controller.initial_population_size == 450
-        np.testing.assert_allclose(loop.decisions[[0, -1], 0], (450.0, 300.0))
-        assert make_controller(f"{name}:{path}", SizeLimits(2, 400)).initial_population_size == 400
 
 
 def test_one_knot_is_a_constant():

@@ -126,6 +126,13 @@ def test_ends_may_lie_on_any_edge_of_the_workspace(end, cell_size):
     assert np.isfinite(info["best_fitness"])
 
 
+def test_a_cell_beyond_an_edge_is_blocked_by_obstacles_that_reach_there():
+    wall = Polygon(((9.2, 4.95), (12.0, 4.95), (12.0, 5.05), (9.2, 5.05)))
+    scenario = Scenario("box", (10.0, 4.5), (10.0, 5.5), (wall,), (0.0, 0.0, 10.0, 10.0))
+    with pytest.raises(ScenarioError, match="which is not free"):
+        rasterised(scenario, 1.0)
+
+
 def test_too_many_cells_are_refused():
     with pytest.raises(ScenarioError, match=r"cells of 0\.1 make a map of 10000 x 6000"):
         rasterised(make_scenario("case1"), 0.1)

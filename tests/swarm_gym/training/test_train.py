@@ -248,6 +248,15 @@ def test_a_policy_begins_in_use_as_in_its_training(tmp_path):
     assert in_use.final_fitness.tolist() == in_training.final_fitness.tolist()
 
 
+@pytest.mark.parametrize("source", ["smooth", "mixed"])
+def test_a_policy_is_the_reference_of_a_training_with_the_same_first_members(tmp_path, source):
+    first = train(tmp_path, **EVOLUTION, source=source, name="first", total_steps=STEPS).run()
+    paired = {"reward": "paired", "reference": f"learned:{first}", "warm_start": "none", "source": source}
+    train(tmp_path, **paired, name="second", total_steps=STEPS).run()
+    with pytest.raises(ValueError, match="equal starts"):
+        train(tmp_path, **{**paired, "source": "uniform"}, name="third")
+
+
 @pytest.mark.parametrize("role", ["base", "warm_start"])
 def test_a_controller_that_needs_a_budget_is_refused_where_episodes_have_another(tmp_path, role):
     name, runs = make_rule(tmp_path / "rule.json", 900), tmp_path / "runs"
