@@ -8,7 +8,6 @@ import shapely
 from scipy import ndimage, optimize
 
 from helpers.plans import assert_free, obstacles_of
-from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan, wishes
@@ -165,10 +164,3 @@ def test_the_command_takes_grades_and_wishes(tmp_path, capsys):
     with pytest.raises(SystemExit, match="2"):
         main([*ends, "--wishes", "distance"])
     assert "expected name=number" in capsys.readouterr().err
-
-
-def test_rewards_that_need_optima_are_refused_with_words_that_help():
-    with pytest.raises(
-        SettingError, match="needs optima, and none are known with distance_weight; choose another"
-    ):
-        SwarmEnv("particle-swarm", scenario="rooms:0", distance_weight=2.0, reward="optimality")

@@ -244,6 +244,6 @@ def test_bad_weights_and_what_needs_optima_are_refused():
         make_problem("case1", distance_weight=1.0)
     with pytest.raises(SettingError, match="distance_weight 2: the least fitness on map"):
         ensure_optima([make_problem("rooms:0", distance_weight=2.0)])
-    with pytest.raises(SettingError, match="not known"):
+    with pytest.raises(SettingError, match="needs optima, and none are known with distance_weight; choose"):
         SwarmEnv("firefly", scenario="rooms:0", encoding="bezier", distance_weight=2.0, reward="optimality")
     assert Settings().distance_weight == 0.0
