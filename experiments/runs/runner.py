@@ -112,8 +112,8 @@ def run_unit(
     """
     if changed_since(unit.controller, experiment, identities):
         raise ResultsError(
-            f"{unit.controller} has changed since this command began; what is stored is of the earlier one; "
-            "run the command again"
+            f"{unit.controller} has changed since this command began; the runs that are stored so far are of "
+            "the earlier one; run the command again"
         )
     if can_be_side_by_side(*unit, experiment):
         return run_side_by_side(*unit, experiment, made_with)

@@ -141,10 +141,9 @@ class SwarmDACEnv(AbstractEnv):
                 f"options of reset: the instance decides the scenario, got {shown(ours['scenario'])}; name "
                 "an instance by instance_id"
             )
-        known = list(self.instance_set)
-        if ours.get("instance_id", known[0]) not in known:
+        if "instance_id" in ours and ours["instance_id"] not in self.instance_set:
             raise SettingError(
-                f"options of reset: instance_id must be one of {shown(known)}, got "
+                f"options of reset: instance_id must be one of {shown(list(self.instance_set))}, got "
                 f"{shown(ours['instance_id'])}"
             )
         theirs = {name: ours.pop(name) for name in ("instance", "instance_id", "scheme") if name in ours}

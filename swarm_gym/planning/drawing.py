@@ -14,7 +14,7 @@ from swarm_gym.scenarios import Circle, GridScenario
 
 Floats = NDArray[np.float64]
 
-WIDTH, HEIGHT = 900.0, 3600.0  # of a picture, in pixels; the second at most, where it is narrower
+WIDTH, HEIGHT = 900.0, 3600.0  # most pixels of a picture, which has one of the two
 LINE, DOT = 2.5, 6.0  # width of the path, radius of start and goal, in pixels
 PAPER, OBSTACLE, PATH, START, GOAL = "#ffffff", "#9aa3ad", "#c2410c", "#15803d", "#1d4ed8"
 EDGE = 1.0  # width of the edges of obstacles, in pixels: no seams between pieces, and lines can be seen

@@ -18,7 +18,6 @@ from swarm_gym.planning.drive_map import DriveMap
 from swarm_gym.planning.drive_refusal import refusal_of
 from swarm_gym.planning.drive_search import Driving
 from swarm_gym.planning.drive_searches import DriveSearches
-from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Improvement, Plan
 from swarm_gym.planning.tasks import Task
@@ -69,12 +68,7 @@ class DriveRun:
             self._map, self._driving, self._weights, request.seed, request.curvature_rate
         )
         self._corridors = DriveCorridors(self._searches, request.max_evaluations)
-        before = (
-            None
-            if request.previous is None
-            else require_previous(request.previous, task, underway=request.underway)
-        )
-        self._before = None if before is None else task.frame.to_frame(before)
+        self._before = request.before(task)
         self._limit = math.inf if request.max_seconds is None else began + request.max_seconds
         self._best: Curve | None = None
         self.improvements: list[Improvement] = []

@@ -12,7 +12,6 @@ from swarm_gym.errors import NoPathError
 from swarm_gym.planning.alternatives import Alternative, through_other_corridors
 from swarm_gym.planning.certificate import certified, is_free
 from swarm_gym.planning.corridor_map import CorridorMap
-from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.request import Request
 from swarm_gym.planning.result import Improvement, Plan
 from swarm_gym.planning.search import EPISODES, EpisodeSearch, improvement_of
@@ -48,12 +47,7 @@ class PlanningRun:
             SettingError: for a previous path or wishes that do not fit the task.
         """
         self._task, self._request, self._began, self._is_stopped = task, request, began, is_stopped
-        before = (
-            None
-            if request.previous is None
-            else require_previous(request.previous, task, underway=request.underway)
-        )
-        self._before = None if before is None else task.frame.to_frame(before)
+        self._before = request.before(task)
         self._wished = request.wished(task)
         self._corridors = CorridorMap(task)
         self._limit = math.inf if request.max_seconds is None else began + request.max_seconds

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.planning.alternatives import MOST
+from swarm_gym.planning.previous import Floats, require_previous
 from swarm_gym.planning.steady import SWITCH_MARGIN
 from swarm_gym.planning.tasks import Task
 from swarm_gym.planning.wishes import WishedTask, require_wishes
@@ -67,6 +68,16 @@ class Request:
     def names_swarm(self) -> bool:
         """True if a swarm is asked for."""
         return self.planner == "swarm" or self.optimizer is not None or self.controller is not None
+
+    def before(self, task: Task) -> Floats | None:
+        """Return the previous path, or its rest, in the frame of a task, (k, 2); None without one.
+
+        Raises:
+            SettingError: for a previous path that does not fit the task.
+        """
+        if self.previous is None:
+            return None
+        return task.frame.to_frame(require_previous(self.previous, task, underway=self.underway))
 
     def _require_drivable(self) -> None:
         """Raise an error for a turning radius, headings or `reverse` that are invalid."""

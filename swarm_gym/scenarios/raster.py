@@ -49,7 +49,10 @@ def rasterised(scenario: Scenario, cell_size: float) -> GridScenario:
 
 
 def _beyond(empty: GridMap, ends: Sequence[Cell]) -> NDArray[np.bool_]:
-    """Return cells with a column on the right and a row below where ends need them, blocked but for these."""
+    """Return the cells of a map, all free, and where an end lies on the right or lower edge more beyond it.
+
+    Of the column or row beyond the edge only the cell of the end is free.
+    """
     height, width = empty.height, empty.width
     columns, rows = (any(end[axis] == size for end in ends) for axis, size in ((0, width), (1, height)))
     blocked = np.pad(empty.blocked, ((0, int(rows)), (0, int(columns))), constant_values=True)
